@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "safety/monitors/clock_step.hpp"
 #include "safety/types/limits.hpp"
 #include "safety/types/thresholds.hpp"
 
@@ -28,11 +29,13 @@ bool is_locked_out(const TransitionInputs& t) {
   return (t.hazards & kLocking) != 0;
 }
 
-// The depth check of this step says Accept, for an image that was begun after the needle arrived. Numbers of
-// permits rise within a session, so that an image of an earlier epoch is older than the arrival.
+// The depth check of this step says Accept, for an image that was begun after the needle arrived, and not
+// later than now. Numbers of permits rise within a session, so that an image of an earlier epoch is older
+// than the arrival.
 bool is_accepted(const TransitionInputs& t) {
   const bool of_this_hold = t.input.accepted_session == t.state.session && t.state.arrived_seq != 0 &&
-                            t.input.accepted_since_seq >= t.state.arrived_seq;
+                            t.input.accepted_since_seq >= t.state.arrived_seq &&
+                            t.input.accepted_since_seq <= t.state.seq;
   return t.input.depth_accepted && t.input.accepted_step == t.state.step && of_this_hold;
 }
 

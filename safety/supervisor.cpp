@@ -4,6 +4,7 @@
 
 #include "safety/challenge.hpp"
 #include "safety/decide.hpp"
+#include "safety/monitors/clock_step.hpp"
 #include "safety/types/limits.hpp"
 #include "safety/types/thresholds.hpp"
 

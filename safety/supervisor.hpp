@@ -69,11 +69,6 @@ constexpr SupervisorState started(std::uint32_t session) {
   return state;
 }
 
-// `value` + `elapsed` ms, counted no further than `most`.
-constexpr std::int32_t later_ms(std::int32_t value, std::int32_t elapsed, std::int32_t most) {
-  return std::min(std::clamp(value, 0, most) + std::clamp(elapsed, 0, kElapsedMax_ms), most);
-}
-
 // `evidence`: what assess() made of the same inputs.
 std::pair<SupervisorState, SupervisorOutput> step(const PlanFacts& plan, const SupervisorState& state,
                                                   const SupervisorInputs& inputs, const Evidence& evidence);

@@ -75,7 +75,8 @@ struct PanelLevels {
   bool arm_key = false, reset_key = false;
   bool estop_a_closed = false, estop_b_closed = false;
   bool bench_key = false;     // confirmed: no patient and no needle at the stage
-  bool relay_closed = false;  // feedback contact of the interlock, where it is wired to the device
+  bool relay_closed = false;  // feedback contact of the interlock
+  bool relay_wired = false;   // the device has that contact: no process stands for the relay
   bool operator==(const PanelLevels&) const = default;
 };
 
@@ -100,11 +101,12 @@ constexpr bool flag(std::uint64_t word) {
 constexpr std::uint64_t packed(const PanelLevels& panel) {
   return std::uint64_t{panel.arm_key} | std::uint64_t{panel.reset_key} << 1 |
          std::uint64_t{panel.estop_a_closed} << 2 | std::uint64_t{panel.estop_b_closed} << 3 |
-         std::uint64_t{panel.bench_key} << 4 | std::uint64_t{panel.relay_closed} << 5;
+         std::uint64_t{panel.bench_key} << 4 | std::uint64_t{panel.relay_closed} << 5 |
+         std::uint64_t{panel.relay_wired} << 6;
 }
 constexpr PanelLevels panel_levels(std::uint64_t word) {
   const auto level = [word](int wire) { return (word >> wire & 1) != 0; };
-  return {level(0), level(1), level(2), level(3), level(4), level(5)};
+  return {level(0), level(1), level(2), level(3), level(4), level(5), level(6)};
 }
 
 }  // namespace biopsy::digital_io

@@ -83,7 +83,7 @@ PanelReading IoReader::panel(std::int64_t now_ns) const {
   if (age_us >= safety::kPanelRead_us) return {.levels = {}, .read = false, .age_us = age_us};
   PanelReading reading{panel_levels(panel_->levels.load(std::memory_order_acquire)), true, age_us};
   // The relay that a process stands for has its contact in that process's file.
-  reading.levels.relay_closed = reading.levels.relay_closed || is_closed(relay(), now_ns);
+  if (!reading.levels.relay_wired) reading.levels.relay_closed = is_closed(relay(), now_ns);
   return reading;
 }
 

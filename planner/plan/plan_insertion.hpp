@@ -1,6 +1,8 @@
 // From a target on the image to a sealed plan of insertion steps, or the reason why there is none.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <variant>
 #include <vector>
 

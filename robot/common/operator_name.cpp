@@ -4,10 +4,16 @@
 #include <unistd.h>
 
 #include <array>
-#include <cctype>
 #include <cstdlib>
 
+#include "robot/common/text/sanitize_text.hpp"
+
 namespace biopsy {
+namespace {
+
+constexpr std::size_t kMost = 100;  // bytes
+
+}  // namespace
 
 std::string operator_name() {
   std::string name;
@@ -18,9 +24,12 @@ std::string operator_name() {
   if (name.empty() && getpwuid_r(getuid(), &entry, buffer.data(), buffer.size(), &found) == 0 &&
       found != nullptr)
     name = found->pw_name;
-  name = name.substr(0, 100);
-  for (char& letter : name)
-    if (std::iscntrl(static_cast<unsigned char>(letter)) != 0) letter = ' ';
+  name = plain(name);
+  if (name.size() > kMost) {
+    std::size_t end = kMost;
+    while ((static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U) --end;  // not inside a character
+    name.resize(end);
+  }
   return name.empty() ? "unknown" : name;
 }
 

@@ -6,7 +6,7 @@
 
 namespace biopsy {
 
-// At most 100 printable characters; "unknown" where neither is there.
+// At most 100 bytes of UTF-8, printable; "unknown" where neither is there.
 std::string operator_name();
 
 }  // namespace biopsy

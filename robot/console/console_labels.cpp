@@ -70,7 +70,8 @@ const char* what_to_do(Hazard hazard) {
       return "Release it if it is pressed, find out why it was pressed or unread, then Reset.";
     case Hazard::PlanUnconfirmed:
     case Hazard::PlanChanged:
-      return "Confirm the plan and tick what was checked.";
+      return "Confirm the plan and tick what was checked; of a real stage a second person runs `biopsy "
+             "confirm`.";
     case Hazard::LogBacklog:
       return "Check the disk of the log.";
     default:
@@ -123,12 +124,16 @@ std::vector<Alarm> alarms_of(const CycleRecord& tick, std::int32_t shown_um, boo
                                "High voltage off: nothing holds the needle.", what_to_do_stopped(reason)));
       break;
     case Mode::Retract:
-    case Mode::Hold:
       if (reason != Hazard::None)
-        alarms.push_back(
-            alarm(Severity::Warning, code_of(reason), sentence(reason, tick),
-                  supervisor.permit.mode == Mode::Hold ? "Needle held." : "The needle is being retracted.",
-                  supervisor.permit.mode == Mode::Hold ? what_to_do(reason) : "Wait until it is back."));
+        alarms.push_back(alarm(Severity::Warning, code_of(reason), sentence(reason, tick),
+                               "The needle is being retracted.", "Wait until it is back."));
+      break;
+    case Mode::Hold:
+      // What is there now, and what ended the motion.
+      for (const Hazard hazard : {supervisor.worst, reason})
+        if (hazard != Hazard::None && (alarms.empty() || supervisor.worst != reason))
+          alarms.push_back(alarm(Severity::Warning, code_of(hazard), sentence(hazard, tick), "Needle held.",
+                                 what_to_do(hazard)));
       break;
     case Mode::Boot:
     case Mode::Safe:

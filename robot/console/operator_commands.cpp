@@ -98,7 +98,6 @@ OperatorSession::Answer OperatorSession::on(const commands::ConfirmPlan& command
   if (!is_displayed(command.seal)) return refusal(command.id, Refused::OldPlan);
   if (hv_permitted()) return refusal(command.id, Refused::NeedleInUse);
   confirmed_ = true;
-  patient_motion_um_ = 0;
   ++version_;
   return done(command.id);
 }
@@ -245,6 +244,14 @@ console::Step OperatorSession::step() const {
   return all_ticked() ? Step::Arm : Step::Check;
 }
 
+// Of a real stage, once this console has confirmed the plan.
+std::string OperatorSession::why_second_person() const {
+  const bool missing = seen_.supervisor.worst == safety::Hazard::PlanUnconfirmed;
+  if (simulated_ || !missing || !confirmed_ || !all_ticked()) return {};
+  return fmt::format("a second person runs `biopsy confirm` and compares the seal {}.",
+                     hex(plan()->seal).substr(0, 8));
+}
+
 std::string OperatorSession::why_no_arm() const {
   const Mode mode = seen_.supervisor.permit.mode;
   if (!confirmed_) return "Confirm the plan first.";
@@ -253,6 +260,7 @@ std::string OperatorSession::why_no_arm() const {
   if (!all_ticked()) return carries_checks() ? "Tick the check first." : "Tick all three checks first.";
   if (mode == Mode::Trip || standing_stop_) return "Stopped: Reset first.";
   if (mode == Mode::Lock) return "Locked: service only.";
+  if (const std::string person = why_second_person(); !person.empty()) return "Not ready yet: " + person;
   if (mode != Mode::Ready)
     return fmt::format("Not ready yet: {}.", hazard_text(seen_.supervisor.worst, seen_.panel_unread_ms));
   return simulated_ ? "" : "Turn the arm key on the device.";
@@ -270,12 +278,16 @@ std::string OperatorSession::why_no_insert() const {
 
 std::string OperatorSession::why_no_judgement() const {
   if (!run_ || !run_->imaged) return "No image was taken yet.";
+  if (run_->acquiring_us && run_->images.from_scanner()) {
+    const std::chrono::duration<double> most = run_->prepared.given.images.patience;
+    return fmt::format("Wait for the scanner's image, {:.0f} s at most, or Retract.", most.count());
+  }
   if (!run_->is_checked(*run_->imaged)) return "Wait for the image.";
   if (run_->accepted == run_->imaged) return "It is accepted.";
   return run_->ended || !run_->stopped_because.empty() ? "This run is over." : "";
 }
 
-// An image says where the needle is only while it is held there.
+// An image says where the needle is only while it is held there, in a patient who lies still.
 std::string OperatorSession::why_no_acceptance() const {
   if (const std::string why = why_no_judgement(); !why.empty()) return why;
   const safety::SupervisorOutput& now = seen_.supervisor;
@@ -283,6 +295,12 @@ std::string OperatorSession::why_no_acceptance() const {
   if (!held || silent_ || run_->left_hold)
     return fmt::format("The needle is no longer held where this image shows it{}.",
                        run_->left_hold ? ": " + *run_->left_hold : "");
+  if (run_->patient_moved)
+    return "The patient moved by more than 2 mm while the needle was held here: reject, take a new image and "
+           "plan anew.";
+  if (run_->notes.record().steps[*run_->imaged].hv_switching_during_image)
+    return "The drive switched, or the needle slipped, while this image was taken: reject it; after another "
+           "insertion there is another image.";
   const DepthCheck& check = *run_->notes.record().steps[*run_->imaged].check;
   if (check.verdict == DepthVerdict::Accept) return {};
   return check.verdict == DepthVerdict::Reject ? "The image shows the tip elsewhere than planned."
@@ -296,10 +314,12 @@ std::string OperatorSession::why_no_reset() const {
   if (mode == Mode::Lock) return "Locked: service only.";
   const bool latched = seen_.supervisor.worst == safety::Hazard::EStop;  // pressed at rest, or unreadable
   if (mode != Mode::Trip && !latched) return "Nothing to reset.";
+  if (const std::string person = why_second_person(); !person.empty()) return "Before that " + person;
+  if (mode == Mode::Trip && waits_for_plan(seen_.supervisor.worst))
+    return "Confirm the plan and tick the three checks first.";
   if (!simulated_) return "Turn the reset key on the device.";
   if (mode != Mode::Trip) return {};
   if (navigation_ && navigation_->stop != StopCategory::None) return "The navigation program's stop stands.";
-  if (waits_for_plan(seen_.supervisor.worst)) return "Confirm the plan and tick the three checks first.";
   if (seen_.measurement.depth_um >= limits::kReturned_um) return "The needle has not returned.";
   const safety::Hazard worst = seen_.supervisor.worst;
   const bool ends_with_it = worst == safety::Hazard::EStop || worst == safety::Hazard::PanelUntested;

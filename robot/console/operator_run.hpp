@@ -10,8 +10,9 @@
 
 namespace biopsy::robot {
 
-// How long a single command is repeated to the robot.
-inline constexpr std::int64_t kKeyTurned_us = 200'000;
+// How long a single command is repeated to the robot. The key: 20 ms for its contact, and the reading of the
+// configuration's files.
+inline constexpr std::int64_t kKeyTurned_us = 500'000;
 inline constexpr std::int64_t kStopLasts_us = 500'000;  // longer than a C1 ramp, and any loss of messages
 
 struct OperatorSession::Run {
@@ -38,6 +39,7 @@ struct OperatorSession::Run {
   std::future<report::StepResult> check;     // of step `imaged`
   std::optional<std::size_t> accepted;       // step
   std::optional<std::string> left_hold;      // why, of the hold at the end of step `imaged`
+  bool patient_moved = false;                // in any tick since the needle arrived where it is held
 
   const Plan& plan() const { return std::get<Plan>(prepared.plan); }
   bool is_last(std::size_t step) const { return step + 1 >= plan().steps.size(); }

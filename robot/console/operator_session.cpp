@@ -11,7 +11,6 @@
 #include "robot/console/console_labels.hpp"
 #include "robot/console/operator_run.hpp"
 #include "robot/live/realtime/become_realtime.hpp"
-#include "robot/procedure/images/patient_motion.hpp"
 #include "robot/procedure/operator.hpp"
 #include "robot/procedure/procedure.hpp"
 #include "robot/procedure/run_metrics.hpp"
@@ -33,7 +32,6 @@ constexpr std::int64_t kHoldUncertain_us = 500'000;  // seen here later than it 
 constexpr std::int64_t kReturn_us = 1'500'000;       // time for gravity to withdraw the needle
 constexpr std::int64_t kJudgement_us = 120'000'000;  // for an image that is judged after the needle is back
 constexpr std::size_t kTissuesMax = 256;
-constexpr std::size_t kRunMax_ticks = 600'000;  // as long as any procedure may take
 
 std::int64_t hold_limit_us(const CycleRecord& seen) {
   const std::int32_t most_ms = seen.measurement.brake_on ? limits::kLockedMax_ms : limits::kHoldMax_ms;
@@ -149,7 +147,7 @@ void OperatorSession::update(const CycleSample& sample, std::int64_t now_us) {
   held_too_long_ =
       before == Mode::Hold && now_us - mode_since_us_ >= hold_limit_us(seen_) - kHoldUncertain_us;
   seen_ = sample.record;
-  shown_depth_.add(seen_.measurement.depth_um);
+  shown_depth_.add(seen_.measurement);
   measured_ = true;
   silent_ = false;
   now_us_ = now_us;
@@ -177,6 +175,7 @@ void OperatorSession::show_series() {
   std::optional<Volume> image = series_.take();
   if (!image) return;
   undisturbed_ = false;
+  patient_motion_um_ = 0;  // since this image
   prepared_.image = std::move(*image);
   prepared_.target.patient_id = prepared_.image.identity.patient_id;
   prepared_.target.series_uid = prepared_.image.identity.series_uid;
@@ -196,9 +195,11 @@ void OperatorSession::update_run(const CycleSample& sample, Mode before) {
     ++version_;
   }
   if (!run_ || run_->ended) return;
-  if (run_->notes.record().samples.size() < kRunMax_ticks) run_->notes.add(sample, inputs_);
+  run_->notes.add(sample, inputs_);
   run_->moved = run_->moved || mode == Mode::Active;
   note_end_of_hold(before);
+  if (mode == Mode::Active) run_->patient_moved = false;
+  run_->patient_moved = run_->patient_moved || is_patient_moving();
   update_image();
   if (hv_permitted()) {
     run_->cold_since_us = now_us_;
@@ -229,57 +230,13 @@ void OperatorSession::note_end_of_hold(Mode before) {
     run_->ended_by = fmt::format("{}: {}", safety::name_of(mode), why);
 }
 
-// Locked first, where the stage can: then nothing drifts and nothing switches while the scanner works.
-void OperatorSession::begin_image(std::size_t step) {
-  run_->imaged = step;
-  if (!run_->plan().steps[step].image_confirms)
-    run_->accepted = step;
-  else if (seen_.measurement.brake_fitted)
-    run_->locking = true;
-  else
-    begin_scan();
-}
-
-void OperatorSession::begin_scan() {
-  run_->acquiring_us = now_us_;
-  run_->imaged_under = seen_.supervisor.permit;
-}
-
-void OperatorSession::update_image() {
-  const std::size_t step = seen_.supervisor.step;
-  const bool waits = seen_.supervisor.permit.mode == Mode::Hold && seen_.supervisor.step_done;
-  if (waits && run_->imaged != step) begin_image(step);
-  if (waits && run_->locking && is_quiet(seen_)) run_->locking = false, begin_scan();
-  if (run_->acquiring_us && !waits) {  // the needle moved: this image is invalid
-    run_->acquiring_us.reset();
-    run_->notes.take_imaged_tip();
-  }
-  run_->locking = run_->locking && waits;
-  const auto scan = std::chrono::round<std::chrono::microseconds>(
-      scan_time(seen_.measurement.brake_fitted, run_->prepared.given.rehearsal.scan));
-  if (run_->acquiring_us && now_us_ - *run_->acquiring_us >= scan.count()) {
-    run_->acquiring_us.reset();
-    run_->check =
-        std::async(std::launch::async, [run = run_, step, scan, tip = run_->notes.take_imaged_tip()] {
-          realtime::run_in_background();
-          report::StepResult result;
-          result.step = run->plan().steps[step];
-          run->images.take(step, tip, std::chrono::round<std::chrono::milliseconds>(scan), result);
-          return result;
-        });
-  }
-  using std::chrono::seconds;
-  if (!run_->check.valid() || run_->check.wait_for(seconds(0)) != std::future_status::ready) return;
-  report::StepResult checked = run_->check.get();
-  report::StepResult& noted = run_->notes.record().steps[*run_->imaged];
-  noted.check = checked.check;
-  if (checked.check) note_patient_motion(*checked.check, patient_motion_um_);
-  adjusts_ = adjusts_ || patient_motion_um_ > 1e3 * kPatientMotionMax_mm;
-  noted.image_path = checked.image_path;
-  noted.before = std::move(checked.before);
-  noted.after = std::move(checked.after);
-  noted.geometry = checked.geometry;
-  ++version_;
+// By the supervisor, and by what it is told: beside a worse hazard it does not name this one.
+bool OperatorSession::is_patient_moving() const {
+  const auto beyond = [](std::int32_t motion_um) {
+    return motion_um < 0 || motion_um > safety::kPatientMotion_um;
+  };
+  return names_patient_motion(seen_.supervisor) || beyond(patient_motion_um_) ||
+         (navigation_ && navigation_->measures_patient && beyond(navigation_->patient_motion_um));
 }
 
 // The report takes a second: written in another thread.
@@ -301,7 +258,6 @@ void OperatorSession::end_run() {
   if (!run_->stopped_because.empty()) why += (why.empty() ? "" : "; ") + run_->stopped_because;
   if (!run_->completed)
     record.refusal = why.empty() ? "the needle retracted before its depth was accepted" : why;
-  if (!record.samples.empty()) record.simulated_s = (record.samples.back().time_ms + 1.0) * 1e-3;
   reporting_ = std::async(std::launch::async, [run = run_] {
     realtime::run_in_background();
     measure_run(run->notes.record());
@@ -354,8 +310,10 @@ events::State OperatorSession::state(console::Client client, std::int64_t now_us
   state.depth = shown_depth_.mean_um() * 1e-3;
   state.drive = seen_.measurement.monitor_mV * 1e-6;
   state.measured = measured_ && !silent_;
-  if (run_ && run_->acquiring_us) state.scanner = console::Scanner::Acquiring;
+  state.depth_known = shown_depth_.is_known();
+  state.estop = measured_ && (seen_.evidence.clear & safety::bit(safety::Hazard::EStop)) == 0;
   if (run_ && run_->check.valid()) state.scanner = console::Scanner::Checking;
+  if (run_ && run_->acquiring_us) state.scanner = console::Scanner::Acquiring;
   state.stage = supervisor.step;
   state.stage_done = supervisor.step_done;
   state.locked = measured_ && seen_.measurement.brake_on;

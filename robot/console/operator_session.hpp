@@ -108,13 +108,16 @@ class OperatorSession {
   void show_series();
   void update_run(const CycleSample& sample, Mode before);
   void note_end_of_hold(Mode before);
+  bool is_patient_moving() const;
   void begin_image(std::size_t step);
   void begin_scan();
+  void take_image(std::size_t step);
   void update_image();
   void retract();
   void end_run();
   console::Step step() const;
   console::events::Disabled disabled() const;
+  std::string why_second_person() const;
   std::string why_no_arm() const;
   std::string why_no_insert() const;
   std::string why_no_judgement() const;
@@ -159,7 +162,7 @@ class OperatorSession {
   bool held_too_long_ = false;  // in the tick before, by this clock
   std::int64_t now_us_ = 0, mode_since_us_ = 0;
   std::int64_t arm_until_us_ = 0, reset_until_us_ = 0, stop_until_us_ = 0, retract_until_us_ = 0;
-  std::int32_t patient_motion_um_ = 0;  // since the plan's image; until a plan is confirmed anew
+  std::int32_t patient_motion_um_ = 0;  // since the plan's image, by the newest image that tells
   bool stopped_ = false, finish_ = false, adjusts_ = false;
   // STOP while no high voltage was on: a request that stands until Reset takes it back. (Under voltage the
   // supervisor itself latches, as Trip.)

@@ -32,6 +32,7 @@ DriveRequest control(const ControllerInputs& in, ControllerMemory& memory) {
   }
   request.overruns = in.overruns;
   request.plan_tag = memory.plan_tag;
+  if (memory.plan) request.plan_seal = memory.plan->seal;
   request.config_tag = memory.config_tag;
   return request;
 }

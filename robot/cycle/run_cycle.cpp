@@ -9,9 +9,9 @@ constexpr std::uint32_t kSession = 1;  // a virtual clock starts its first sessi
 
 // Sealed anew: a plan that was changed after its seal has another tag than the one that was permitted and
 // confirmed.
-std::uint64_t tag_of(Plan plan) {
+Plan sealed(Plan plan) {
   planner::seal(plan);
-  return planner::plan_tag(plan);
+  return plan;
 }
 
 }  // namespace
@@ -22,11 +22,13 @@ ControlCycle::ControlCycle(const Plan& plan, const safety::PlanFacts& facts, dri
   supervisor_.plan = facts;
   supervisor_.config_tag = facts.config_tag;
   supervisor_.self_test = safety::SelfTest::Passed;
-  supervisor_.sealed_tag = tag_of(plan);
+  const Plan as_run = sealed(plan);
+  supervisor_.sealed_tag = planner::plan_tag(as_run);
+  supervisor_.seal = as_run.seal;
   supervisor_.confirmed_tag = confirmed;
   supervisor_.state = safety::started(kSession);
   assume_tested_panel(supervisor_);
-  request_.plan_tag = supervisor_.sealed_tag;
+  request_.plan_seal = supervisor_.seal;
   request_.config_tag = facts.config_tag;
 }
 
@@ -44,6 +46,7 @@ SupervisorSources ControlCycle::sources(const Measurement& measurement, const Op
   in.act = {operator_act(operator_inputs), in.now_us};
   in.log = {{.backlog_ms = environment.log_backlog_ms}, in.now_us};
   in.verdict = depth_verdict(operator_inputs, supervisor_.plan.plan_tag);
+  in.files_read_us = in.now_us;
   return in;
 }
 
@@ -57,7 +60,7 @@ CycleRecord ControlCycle::run(const OperatorInputs& operator_inputs, const Envir
   record.supervisor = supervision.output;
   record.panel_unread_ms = supervision.panel_unread_ms;
   request_ = controller(record.measurement, record.supervisor);
-  request_.plan_tag = supervisor_.sealed_tag;
+  request_.plan_tag = supervisor_.sealed_tag, request_.plan_seal = supervisor_.seal;
   request_.config_tag = supervisor_.config_tag;
   record.request = request_;
   actuate({request_, record.supervisor.permit, now_us(), environment.writers}, stage_, faults_);

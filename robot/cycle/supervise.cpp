@@ -13,6 +13,8 @@ namespace {
 constexpr std::int64_t kActMax_us = 500'000;  // an older operator act counts as unknown
 // Ten are sent in a second.
 constexpr std::int64_t kPatientSensorMax_us = 300'000;
+// Time to walk to the device and turn the key; too short to change the patient.
+constexpr std::int64_t kSecondPerson_us = 180'000'000;
 
 bool is_known(const SupervisorSources& in) {
   return in.act.at_us != 0 && in.now_us - in.act.at_us <= kActMax_us;
@@ -25,28 +27,50 @@ std::int32_t log_backlog_ms(const SupervisorSources& in) {
       std::min<std::int64_t>(in.log.message.backlog_ms + age_ms, safety::kUnknown));
 }
 
-// The plan that the controller runs and the one that was sent last must both be the sealed one. Each process
-// states its tags in the messages that no other process may write. Files that changed since the start keep a
-// robot from being armed; one that moves goes on with what it read.
+// A motion that began with it goes on: it ends with the motion, in supervise().
+bool is_confirmed_apart(const SupervisorMemory& memory, std::int64_t now_us) {
+  const SupervisorMemory::SecondPerson& given = memory.second_person;
+  return given.seal == memory.seal &&
+         (safety::hv_permitted(memory.state.mode) || now_us - given.at_us <= kSecondPerson_us);
+}
+
+bool console_confirms(const SupervisorMemory& memory) {
+  const std::uint64_t tag = memory.plan.plan_tag;
+  return memory.confirmed_tag == std::array{tag, tag};
+}
+
+// The plan that the controller runs and the one that was sent last must both be the sealed one, by their
+// whole seals: plans come to each process by themselves, in an order of their own. Each process states its
+// plan and configuration in the messages that no other process may write. Files that changed since the start
+// keep a robot from being armed; one that moves goes on with what it read.
 void add_tags(const SupervisorSources& in, const SupervisorMemory& memory, safety::SupervisorInputs& inputs) {
-  const bool same_plan = memory.sealed_tag == in.request.plan_tag;
+  const bool same_plan = in.request.plan_seal == memory.seal;
   const bool same_config =
       in.measurement.config_tag == memory.config_tag && in.request.config_tag == memory.config_tag;
   inputs.plan_tag = same_plan ? memory.sealed_tag : 0;
   const bool same_files = in.files_tag == memory.config_tag || safety::hv_permitted(memory.state.mode);
   inputs.config_tag = same_config && same_files ? memory.config_tag : 0;
   inputs.confirmed_tag = memory.confirmed_tag;
+  if (memory.needs_second_person && !is_confirmed_apart(memory, in.now_us)) inputs.confirmed_tag[1] = 0;
+}
+
+// The arm key waits for files that were read after it was turned: what was edited a moment before is not
+// armed.
+bool is_armed_by_key(const SupervisorSources& in, SupervisorMemory& memory, bool turned) {
+  if (!turned) memory.arm_turned_us = 0;
+  if (turned && memory.arm_turned_us == 0) memory.arm_turned_us = in.now_us;
+  return turned && in.files_read_us >= memory.arm_turned_us;
 }
 
 void add_panel(const digital_io::PanelReading& panel, safety::PanelFilter& filter,
                safety::SupervisorInputs& inputs) {
   const digital_io::PanelLevels& levels = panel.levels;
-  inputs.panel_read = panel.read;
+  inputs.panel_read = safety::is_closed(filter.read, panel.read);
   inputs.relay_closed = levels.relay_closed;
   inputs.estop_a_closed = safety::is_closed(filter.estop_a, levels.estop_a_closed);
   inputs.estop_b_closed = safety::is_closed(filter.estop_b, levels.estop_b_closed);
-  inputs.local_arm = safety::is_closed(filter.arm, levels.arm_key);
-  inputs.local_reset = safety::is_closed(filter.reset, levels.reset_key);
+  inputs.local_arm = safety::is_turned(filter.arm, levels.arm_key, panel.read);
+  inputs.local_reset = safety::is_turned(filter.reset, levels.reset_key, panel.read);
   inputs.bench_confirmed = safety::is_closed(filter.bench, levels.bench_key);
 }
 
@@ -66,7 +90,8 @@ std::int32_t larger_motion_um(std::int32_t a, std::int32_t b) {
 }
 
 // Without an operator nothing may rise; the needle holds (C2). A press and a remote request count once, when
-// they arrive: nothing that is remembered keeps a button pressed.
+// they arrive: nothing that is remembered keeps a button pressed. A verdict that names a permit which was not
+// yet issued when it came is of no image, also once there is such a permit.
 void add_operator(const SupervisorSources& in, SupervisorMemory& memory, safety::SupervisorInputs& inputs) {
   const OperatorAct& act = in.act.message;
   inputs.stop = StopCategory::C2Hold;
@@ -82,8 +107,13 @@ void add_operator(const SupervisorSources& in, SupervisorMemory& memory, safety:
     inputs.remote_reset = act.reset;
     memory.act_us = in.act.at_us;
   }
+  if (in.verdict.session != memory.verdict_session || in.verdict.since_seq != memory.verdict_since_seq) {
+    memory.verdict_session = in.verdict.session, memory.verdict_since_seq = in.verdict.since_seq;
+    memory.verdict_in_order = in.verdict.since_seq <= memory.permit.seq;
+  }
   const std::uint64_t plan_tag = memory.plan.plan_tag;
-  inputs.depth_accepted = in.verdict.accepted && in.verdict.plan_tag == plan_tag && plan_tag != 0;
+  const bool of_this_plan = in.verdict.plan_tag == plan_tag && plan_tag != 0;
+  inputs.depth_accepted = in.verdict.accepted && of_this_plan && memory.verdict_in_order;
   inputs.accepted_step = in.verdict.step;
   inputs.accepted_session = in.verdict.session;
   inputs.accepted_since_seq = in.verdict.since_seq;
@@ -101,6 +131,7 @@ safety::SupervisorInputs supervisor_inputs(const SupervisorSources& in, Supervis
   inputs.tissue_residual_um = safety::tissue_residual_um(memory.plan, memory.tissue, in.measurement);
   add_tags(in, memory, inputs);
   add_panel(in.panel, memory.panel, inputs);
+  inputs.local_arm = is_armed_by_key(in, memory, inputs.local_arm);
   add_operator(in, memory, inputs);
   return inputs;
 }
@@ -116,17 +147,29 @@ std::int32_t writer_count(const WriterCounts& counts) {
 
 void assume_tested_panel(SupervisorMemory& memory) {
   memory.evidence.panel.test = safety::PanelMonitor::Test::Passed;
-  memory.panel.estop_a.closed_ticks = memory.panel.estop_b.closed_ticks = safety::kContact_ticks;
+  memory.panel.arm.turned = memory.panel.reset.turned = false;
+  for (safety::ContactFilter* contact : {&memory.panel.read, &memory.panel.estop_a, &memory.panel.estop_b})
+    contact->closed_ticks = safety::kContact_ticks;
 }
 
 void accept_plan(const SealedPlan& sealed, SupervisorMemory& memory) {
   const std::optional<Plan> plan = planner::open_plan(sealed.bytes, sealed.seal);
   memory.sealed_tag = plan ? planner::plan_tag(*plan) : 0;
-  if (safety::hv_permitted(memory.state.mode)) return;
+  if (safety::hv_permitted(memory.state.mode)) {
+    if (sealed.seal != memory.seal) memory.sealed_tag = 0;  // another plan, whatever its tag
+    return;
+  }
   const bool fits =
       plan && plan->steps.size() <= safety::kMaxSteps && plan->limits.plausible.size() <= safety::kMaxBands;
   memory.plan = fits ? plan_facts(*plan, memory.config_tag) : safety::PlanFacts{};
+  memory.seal = fits ? plan->seal : Sha256{};
   memory.confirmed_tag = sealed.confirmed_tag;
+  if (!console_confirms(memory) || memory.second_person.seal != memory.seal) memory.second_person = {};
+}
+
+void confirm_plan(const PlanConfirmation& confirmation, std::int64_t now_us, SupervisorMemory& memory) {
+  if (safety::hv_permitted(memory.state.mode) || !console_confirms(memory)) return;
+  if (confirmation.seal == memory.seal) memory.second_person = {confirmation.seal, now_us};
 }
 
 Supervision supervise(const SupervisorSources& in, SupervisorMemory& memory, FaultHooks* faults) {
@@ -135,8 +178,12 @@ Supervision supervise(const SupervisorSources& in, SupervisorMemory& memory, Fau
   Supervision out;
   out.evidence = safety::assess(memory.plan, memory.evidence, inputs);
   if (faults != nullptr) faults->before_decision(inputs, out.evidence);
+  const bool moved = safety::hv_permitted(memory.state.mode);
   std::tie(memory.state, out.output) = safety::step(memory.plan, memory.state, inputs, out.evidence);
   memory.permit = out.output.permit;
+  if (moved && !safety::hv_permitted(memory.state.mode)) memory.second_person = {};  // once
+  const bool confirmed = (out.evidence.clear & safety::bit(safety::Hazard::PlanUnconfirmed)) != 0;
+  out.confirmed_tag = confirmed ? memory.plan.plan_tag : 0;
   const bool stopped = (out.evidence.clear & safety::bit(safety::Hazard::EStop)) == 0;
   out.panel_unread_ms = memory.stop_cause.update(in.panel, stopped);
   return out;
@@ -165,9 +212,11 @@ Decision decision_message(const Supervision& supervision, std::int64_t now_us, s
   decision.refusal = static_cast<std::uint8_t>(output.refusal);
   decision.step = output.step;
   decision.step_done = output.step_done;
+  decision.confirmed_tag = supervision.confirmed_tag;
   decision.image_allowed = output.image_allowed;
   decision.image_disturbed = output.image_disturbed;
   decision.panel_unread_ms = supervision.panel_unread_ms;
+  decision.estop = (supervision.evidence.clear & safety::bit(safety::Hazard::EStop)) == 0;
   return decision;
 }
 

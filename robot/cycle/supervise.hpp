@@ -7,6 +7,7 @@
 #include <string>
 
 #include "drivers/digital_io/io_layout.hpp"
+#include "robot/common/sha256.hpp"
 #include "robot/cycle/fault_hooks.hpp"
 #include "robot/cycle/stop_cause.hpp"
 #include "robot/msg/messages.hpp"
@@ -30,7 +31,8 @@ struct SupervisorSources {
   DriveRequest request;      // likewise
   std::int32_t writers = 0;  // writer_count() of the topics
   digital_io::PanelReading panel;
-  std::uint64_t files_tag = 0;  // of the configuration's files as they are now; 0: not known
+  std::uint64_t files_tag = 0;     // of the configuration's files as last read; 0: not known
+  std::int64_t files_read_us = 0;  // when that reading began; 0: never
   Received<OperatorAct> act;
   Received<LogHealth> log;
   DepthVerdictNote verdict;
@@ -55,12 +57,21 @@ struct SupervisorMemory {
   safety::PlanFacts plan{};      // none: plan_tag 0
   std::uint64_t sealed_tag = 0;  // of the plan that was sent last, accepted or not; 0: seal broken
   std::array<std::uint64_t, 2> confirmed_tag{};  // that both confirmations were given for
+  Sha256 seal{};                                 // of `plan`
+  bool needs_second_person = false;  // a real stage: its plan is confirmed apart from the console as well
+  struct SecondPerson {
+    Sha256 seal{};           // that it was given for
+    std::int64_t at_us = 0;  // 0: none
+  } second_person{};
   safety::EvidenceMemory evidence{};
   safety::TissueMonitor tissue{};
   safety::PanelFilter panel{};
   safety::SupervisorState state{};
-  Permit permit{};                // issued in the last tick
-  std::int64_t act_us = 0;        // arrival of the last operator act that was used
+  Permit permit{};                                           // issued in the last tick
+  std::int64_t act_us = 0;                                   // arrival of the last operator act that was used
+  std::int64_t arm_turned_us = 0;                            // since when the arm key is turned; 0: it is not
+  std::uint32_t verdict_session = 0, verdict_since_seq = 0;  // of the last verdict
+  bool verdict_in_order = false;  // its image began under a permit that had been issued when it came
   bool patient_measured = false;  // by a sensor, at any time since the start
   StopCause stop_cause{};
 };
@@ -72,11 +83,17 @@ struct Supervision {
   safety::Evidence evidence;
   safety::SupervisorOutput output;
   std::int32_t panel_unread_ms = 0;  // as in Decision
+  std::uint64_t confirmed_tag = 0;   // likewise
 };
 
 // A plan is accepted while no high voltage is permitted. In motion it is only noticed: its tag is then not
 // the sealed one any more, which stops the robot.
 void accept_plan(const SealedPlan& sealed, SupervisorMemory& memory);
+
+// Counts for three minutes or until the motion that began in them is over, and as long as the console
+// confirms the plan too. Taken only of the plan that is sealed and that the console confirms now, and never
+// while high voltage is permitted: what is not taken is forgotten.
+void confirm_plan(const PlanConfirmation& confirmation, std::int64_t now_us, SupervisorMemory& memory);
 
 Supervision supervise(const SupervisorSources& in, SupervisorMemory& memory, FaultHooks* faults = nullptr);
 

@@ -77,6 +77,7 @@ BusRecorder::BusRecorder(const transport::Participant& bus, recorder::Recorder& 
       decisions_(bus),
       acts_(bus),
       plans_(bus),
+      confirmations_(bus),
       verdicts_(bus),
       sensors_(bus),
       measurements_(bus),
@@ -122,6 +123,12 @@ void BusRecorder::follow_decisions(std::int64_t now_us) {
            {{"worst", hazard(next.worst, next)},
             {"before", hazard(decision_.worst, decision_)},
             {"seq", next.seq}},
+           Urgency::Grouped);
+    // Beside a hazard that is worse it shows in nothing else.
+    const std::uint8_t stop = static_cast<std::uint8_t>(safety::Hazard::EStop);
+    const bool hidden = next.worst != stop && decision_.worst != stop && decision_.seq != 0;
+    if (hidden && next.estop != decision_.estop)
+      note(RecordKind::Alarm, {{"beside", hazard(stop, next)}, {"over", !next.estop}, {"seq", next.seq}},
            Urgency::Grouped);
     if (next.refusal != 0) {
       // A button that stays down asks with every message: one record, until it was quiet for a while.
@@ -173,6 +180,11 @@ void BusRecorder::follow_plan_and_checks(std::int64_t now_us) {
     body["operator"] = operator_name_;
     write(RecordKind::Plan, "person", json_text(body), Urgency::Urgent, now_us);
   }
+  PlanConfirmation confirmation;
+  while (confirmations_.take(confirmation))
+    write(RecordKind::PlanConfirmation, "confirmer",
+          json_text({{"operator", confirmation.person}, {"seal", hex(confirmation.seal)}}), Urgency::Urgent,
+          now_us);
   DepthVerdictNote verdict;
   while (verdicts_.take(verdict))
     write(RecordKind::DepthCheck, "person",

@@ -46,6 +46,7 @@ class BusRecorder {
   transport::Reader<Decision> decisions_;
   transport::Reader<OperatorAct> acts_;
   transport::Reader<SealedPlan> plans_;
+  transport::Reader<PlanConfirmation> confirmations_;
   transport::Reader<DepthVerdictNote> verdicts_;
   transport::Reader<NavigationRequest> sensors_;
   transport::Reader<Measurement> measurements_;

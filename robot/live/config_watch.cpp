@@ -10,7 +10,7 @@
 namespace biopsy::live {
 namespace {
 
-constexpr std::chrono::milliseconds kEvery{500};
+constexpr std::chrono::milliseconds kEvery{500}, kLook{10};  // a person does not feel the latter
 
 std::int64_t now_us() {
   return realtime::monotonic_ns() / 1000;
@@ -24,9 +24,12 @@ ConfigWatch::ConfigWatch(std::filesystem::path run_folder, LiveSettings settings
   thread_ = std::jthread([this](const std::stop_token& stop) {
     const sched_param ordinary{};  // it would inherit the priority of the loop, and reads files
     ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &ordinary);
-    std::unique_lock lock(mutex_);
-    while (!wake_.wait_for(lock, stop, kEvery, [] { return false; }) && !stop.stop_requested())
+    for (auto waited = kLook; !stop.stop_requested(); waited += kLook) {
+      std::this_thread::sleep_for(kLook);
+      if (!files_.take_request() && waited < kEvery) continue;
       read(now_us());
+      waited = {};
+    }
   });
 }
 

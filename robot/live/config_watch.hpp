@@ -3,10 +3,8 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <filesystem>
-#include <mutex>
 #include <thread>
 
 #include "robot/live/live_settings.hpp"
@@ -30,13 +28,21 @@ class FilesTag {
     const bool fresh = read_us != 0 && now_us - read_us <= kRead_us;
     return fresh ? tag_.load(std::memory_order_relaxed) : 0;
   }
+  // When the reading of the present tag began; 0: never.
+  std::int64_t read_us() const { return read_us_.load(std::memory_order_acquire); }
+
+  // Asks for a new reading; costs a loop nothing. Whoever reads asks whether it was asked for, once.
+  void ask() const { asked_.store(true, std::memory_order_relaxed); }
+  bool take_request() const { return asked_.exchange(false, std::memory_order_relaxed); }
 
  private:
   std::atomic<std::uint64_t> tag_{0};
   std::atomic<std::int64_t> read_us_{0};
+  mutable std::atomic<bool> asked_{false};
 };
 
-// Keeps a FilesTag up to date, twice a second, on a thread with ordinary scheduling.
+// Keeps a FilesTag up to date, twice a second and where it is asked for, on a thread with ordinary
+// scheduling.
 class ConfigWatch {
  public:
   ConfigWatch(std::filesystem::path run_folder, LiveSettings settings);
@@ -49,8 +55,6 @@ class ConfigWatch {
   std::filesystem::path run_folder_;
   LiveSettings settings_;
   FilesTag files_;
-  std::mutex mutex_;
-  std::condition_variable_any wake_;
   std::jthread thread_;  // last: it uses all of the above
 };
 

@@ -1,5 +1,5 @@
 // Records every topic of the bus in an MCAP file while the robot runs, for viewers. It only reads, as the
-// role Observer: the procedure log, which stops the robot where it cannot be written, does not depend on it.
+// role Mcap: the procedure log, which stops the robot where it cannot be written, does not depend on it.
 #pragma once
 
 #include <cstdint>

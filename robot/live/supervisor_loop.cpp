@@ -25,7 +25,8 @@ std::int64_t wall_ns() {
 
 SupervisorLoop::SupervisorLoop(const transport::Participant& bus, drivers::PulseOutput& interlock,
                                const digital_io::IoReader& panel, const FilesTag& files,
-                               std::uint64_t config_tag, std::uint32_t session, safety::SelfTest self_test)
+                               std::uint64_t config_tag, std::uint32_t session, safety::SelfTest self_test,
+                               bool needs_second_person)
     : interlock_(interlock),
       panel_(panel),
       files_(files),
@@ -33,6 +34,7 @@ SupervisorLoop::SupervisorLoop(const transport::Participant& bus, drivers::Pulse
       requests_(bus),
       acts_(bus),
       plans_(bus),
+      confirmations_(bus),
       verdicts_(bus),
       log_(bus),
       navigation_(bus),
@@ -42,6 +44,7 @@ SupervisorLoop::SupervisorLoop(const transport::Participant& bus, drivers::Pulse
       heartbeat_(bus, Process::Supervisor, config_tag) {
   supervisor_.config_tag = config_tag;
   supervisor_.self_test = self_test;
+  supervisor_.needs_second_person = needs_second_person;
   supervisor_.state = safety::started(session);
   wait_set_.add(measurements_);
   heartbeat_.health().ready = true;
@@ -89,6 +92,8 @@ void SupervisorLoop::take_messages(std::int64_t now_us) {
     robot::accept_plan(sealed, supervisor_);
     heartbeat_.health().plan_tag = supervisor_.plan.plan_tag;
   }
+  if (PlanConfirmation given; confirmations_.take_newest(given) > 0)
+    robot::confirm_plan(given, now_us, supervisor_);
 }
 
 robot::WriterCounts SupervisorLoop::writers() const {
@@ -105,9 +110,11 @@ robot::WriterCounts SupervisorLoop::writers() const {
 void SupervisorLoop::tick(std::int64_t now_us) {
   sources_.now_us = now_us;
   sources_.panel = panel_.panel(realtime::monotonic_ns());
+  sources_.files_read_us = files_.read_us();
   sources_.files_tag = files_.at(now_us);
   sources_.writers = robot::writer_count(writers());
   const robot::Supervision supervision = robot::supervise(sources_, supervisor_);
+  if (supervisor_.arm_turned_us > sources_.files_read_us) files_.ask();
   const safety::SupervisorOutput& output = supervision.output;
   permits_.write(output.permit);
   if (output.interlock_pulse) interlock_.pulse();

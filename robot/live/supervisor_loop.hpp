@@ -17,11 +17,12 @@ namespace biopsy::live {
 
 class SupervisorLoop {
  public:
-  // `session`: larger at every start. One that failed its self-test locks. `interlock`, this side's half of
-  // it, `panel` and `files` must outlive this.
+  // `session`: larger at every start. One that failed its self-test locks. `needs_second_person`: the console
+  // cannot give both confirmations of a plan. `interlock`, this side's half of it, `panel` and `files` must
+  // outlive this.
   SupervisorLoop(const transport::Participant& bus, drivers::PulseOutput& interlock,
                  const digital_io::IoReader& panel, const FilesTag& files, std::uint64_t config_tag,
-                 std::uint32_t session, safety::SelfTest self_test);
+                 std::uint32_t session, safety::SelfTest self_test, bool needs_second_person);
 
   // Waits for the next measurement or the next millisecond, and decides.
   void turn();
@@ -49,6 +50,7 @@ class SupervisorLoop {
   transport::Reader<DriveRequest> requests_;
   transport::Reader<OperatorAct> acts_;
   transport::Reader<SealedPlan> plans_;
+  transport::Reader<PlanConfirmation> confirmations_;
   transport::Reader<DepthVerdictNote> verdicts_;
   transport::Reader<LogHealth> log_;
   transport::Reader<NavigationRequest> navigation_;

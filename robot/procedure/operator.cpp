@@ -30,6 +30,8 @@ void Operator::observe(const CycleRecord& seen) {
   const safety::SupervisorOutput& last = seen.supervisor;
   const Mode mode = last.permit.mode;
   moved_ = moved_ || mode == Mode::Active;
+  if (mode == Mode::Active) patient_moved_ = false;
+  patient_moved_ = patient_moved_ || names_patient_motion(last);
   const bool ended = mode == Mode::Trip || mode == Mode::Lock || mode == Mode::Retract;
   if (!ended || !ended_because_.empty()) return;
   ended_because_ = fmt::format("{}: {}", safety::name_of(mode), cause_of(last, seen.panel_unread_ms));
@@ -45,6 +47,7 @@ void Operator::judge(DepthVerdict verdict, const std::string& reason, std::int32
   // An image whose hold was ended shows a needle on its way back: that is why the procedure stops.
   if (!ended_because_.empty()) give_up(ended_because_);
   accepted_ = verdict == DepthVerdict::Accept;
+  refuse_moved_patient();
   if (verdict == DepthVerdict::Unsure && repeated_images_ < kRepeatedImagesMax) {
     ++repeated_images_;
     phase_ = Phase::Image;
@@ -55,12 +58,20 @@ void Operator::judge(DepthVerdict verdict, const std::string& reason, std::int32
   phase_ = Phase::Pause;
 }
 
+// No depth is accepted, or stays so, of a patient who moved while the needle is held there.
+void Operator::refuse_moved_patient() {
+  if (!accepted_ || !patient_moved_ || completed_) return;
+  accepted_ = false;
+  give_up("the patient moved by more than 2 mm while the needle was held: take a new image and plan anew");
+}
+
 void Operator::follow_insertion(const CycleRecord& seen, std::int64_t tick) {
   const std::int64_t waited = tick - since_;
   const bool held = seen.supervisor.permit.mode == Mode::Hold && (moved_ || waited > kAnswerMax_ticks);
   if (held && moved_ && seen.supervisor.step_done) {
     accepted_step_ = seen.supervisor.step;
     accepted_ = !plan_.steps[accepted_step_].image_confirms;
+    refuse_moved_patient();
     completed_ = accepted_ && accepted_step_ + 1 == plan_.steps.size();
     const Phase image = seen.measurement.brake_fitted ? Phase::Lock : Phase::Image;
     go(accepted_ ? Phase::Pause : image, tick);
@@ -133,6 +144,7 @@ void Operator::follow(const CycleRecord& seen, std::int64_t tick) {
       break;
     case Phase::Pause: {
       if (waited < kThink_ticks) break;
+      refuse_moved_patient();
       const bool all = accepted_ && accepted_step_ + 1 == plan_.steps.size();
       completed_ = completed_ || all;
       go(all || !stopped_because_.empty() ? Phase::Withdraw : Phase::Press, tick);

@@ -51,6 +51,7 @@ class Operator {
   void go(Phase phase, std::int64_t tick);
   void give_up(const std::string& reason);
   void follow(const CycleRecord& seen, std::int64_t tick);
+  void refuse_moved_patient();
   void follow_insertion(const CycleRecord& seen, std::int64_t tick);
   void follow_lock(const CycleRecord& seen, std::int64_t tick);
 
@@ -65,6 +66,7 @@ class Operator {
   std::uint32_t accepted_step_ = 0;
   Permit imaged_under_;  // in force when the last image began to be taken
   bool imaging_ = false;
+  bool patient_moved_ = false;  // since the needle arrived where it is held
   std::int32_t patient_motion_um_ = 0;
   bool accepted_ = false, completed_ = false;
   int repeated_presses_ = 0, repeated_images_ = 0;
@@ -81,6 +83,12 @@ inline constexpr Seconds kRealScan{20.0};
 constexpr Seconds scan_time(bool brake_fitted, Seconds scan) {
   return brake_fitted ? scan : std::min(scan, kFastScan);
 }
+// The patient is more than 2 mm from where the plan has them, or it is not known where they are (H-22).
+inline bool names_patient_motion(const safety::SupervisorOutput& supervisor) {
+  return supervisor.worst == safety::Hazard::PatientMotion ||
+         supervisor.reason == safety::Hazard::PatientMotion;
+}
+
 // The needle is locked, and there is no voltage that could switch.
 inline bool is_quiet(const CycleRecord& seen) {
   return seen.measurement.brake_on && seen.drive_mV == 0;

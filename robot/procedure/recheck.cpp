@@ -81,9 +81,10 @@ void compare(const std::string& plan, const report::RunRecord& old_run, const re
   add("final depth error", "mm", kFinalError_mm, final_error(old_run), final_error(new_run));
   add("settled depth error (rms)", "mm", kSettledError_mm, old_run.rmse_settled_mm, new_run.rmse_settled_mm);
   add("overshoot", "mm", kOvershoot_mm, old_run.overshoot_mm, new_run.overshoot_mm);
-  for (std::size_t i = 0; i < new_run.limits.size(); ++i) {
-    const report::LimitUse& limit = new_run.limits[i];
-    add(limit.name, limit.unit, limit.limit, old_run.limits[i].used, limit.used);
+  for (const report::LimitUse& limit : new_run.limits) {
+    const auto before = std::ranges::find(old_run.limits, limit.name, &report::LimitUse::name);
+    const bool used = before != old_run.limits.end();  // not of a lock where it ended before one
+    add(limit.name, limit.unit, limit.limit, used ? before->used : 0.0, limit.used);
   }
   for (const auto& [run, model] : {std::pair{&old_run, "old"}, std::pair{&new_run, "new"}})
     if (!completed(*run))

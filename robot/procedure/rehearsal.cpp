@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kTicksMax = 600'000;  // ten minutes: no procedure of this robot takes longer
+constexpr std::int64_t kTicksMax = 3'600'000;  // an hour: no procedure of this robot takes longer
 constexpr std::int64_t kProgressEvery = 1000;
 
 Truth truth_of(const sim::SimulatedStage& step) {
@@ -112,6 +112,16 @@ std::future<report::StepResult> begin_check(ConfirmationImages& images, std::siz
   });
 }
 
+// An image that was disturbed is none to accept, whatever it shows: it is taken again, as an unsure one is.
+// On a stage without a brake every image is: its loop is rehearsed all the same, and the report says so.
+std::pair<DepthVerdict, std::string> judgement_of(const report::StepResult& result,
+                                                  const Rehearsal& rehearsal, bool brake_fitted) {
+  const bool counts = brake_fitted && !rehearsal.accept_unseen;
+  if (result.check->verdict == DepthVerdict::Accept && result.hv_switching_during_image && counts)
+    return {DepthVerdict::Unsure, "the drive switched, or the needle slipped, while the image was taken"};
+  return {result.check->verdict, "depth check: " + result.check->reason};
+}
+
 }  // namespace
 
 report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, const fs::path& folder,
@@ -137,9 +147,13 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
     }
     if (check.valid() && check.wait_for(std::chrono::seconds(0)) != std::future_status::timeout) {
       report::StepResult& result = record.steps[inputs.accepted_step];
+      const bool disturbed = result.hv_switching_during_image;  // while a scanner's image was waited for, too
       result = check.get();
+      result.hv_switching_during_image = disturbed;
       note_patient_motion(*result.check, motion_um);
-      person.judge(result.check->verdict, "depth check: " + result.check->reason, motion_um);
+      const auto [verdict, why] =
+          judgement_of(result, prepared.given.rehearsal, cycle.record.measurement.brake_fitted);
+      person.judge(verdict, why, motion_um);
       inputs.acquiring = false;
     }
     if (stop.stop_requested()) {
@@ -160,6 +174,7 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
                            safety::name_of(cycle.record.supervisor.permit.mode),
                            fixed(cycle.record.measurement.depth_um * 1e-3, 2, "mm")));
   }
+  if (!person.done() && record.refusal.empty()) record.refusal = "the procedure was not over after an hour";
   images.cancel();
   record.outcome = person.completed() ? report::Outcome::Completed : report::Outcome::Stopped;
   if (record.refusal.empty()) record.refusal = person.completed() ? "" : person.stopped_because();
@@ -168,7 +183,6 @@ report::RunRecord rehearse_on(const Robot& robot, const PreparedCase& prepared, 
         "a hold lasts 10 s, and longer only while the brake locks the needle and it stands still: see in "
         "run.csv "
         "(locked, depth) whether it gripped";
-  record.simulated_s = record.samples.empty() ? 0.0 : (record.samples.back().time_ms + 1.0) * 1e-3;
   measure_run(record);
   return record;
 }

@@ -54,36 +54,41 @@ void measure_stage(const report::RunRecord& record, std::size_t index, report::S
   if (deepest > -1e9) result.overshoot_mm = std::max(0.0, deepest - goal);
 }
 
-// Mean of a depth over the last period in which the needle was driven.
-double final_mean(const report::RunRecord& record, float report::Sample::*depth_mm) {
+// Mean of a depth over the last period in which the needle was driven, of the samples that `tell` it.
+template <class Tell>
+double final_mean(const report::RunRecord& record, float report::Sample::*depth_mm, Tell&& tell) {
   const auto last = std::find_if(record.samples.rbegin(), record.samples.rend(), is_driven);
   if (last == record.samples.rend()) return report::kUnknown;
   Rms window;
   for (auto sample = last; sample != record.samples.rend() && is_driven(*sample); ++sample) {
     if ((last->time_ms - sample->time_ms) * 1e-3 > kFinalWindow_s) break;
-    window.add(0.0, (*sample).*depth_mm);
+    if (tell(*sample)) window.add(0.0, (*sample).*depth_mm);
   }
   return window.mean();
 }
 
-// Where the run ended at 0 V; unknown where it did not, or where nothing was driven.
-double left_depth(const report::RunRecord& record) {
+// Where the run ended at 0 V; nothing is said where it did not, or where nothing was driven.
+void measure_left(report::RunRecord& record) {
   constexpr std::size_t kWindow =
       100;  // ms: two hundredths of a millimetre of laser noise become two thousandths
   const auto& samples = record.samples;
-  if (samples.size() < kWindow || std::none_of(samples.begin(), samples.end(), is_driven))
-    return report::kUnknown;
+  if (record.ticks_left_out > 0 || samples.size() < kWindow ||
+      std::none_of(samples.begin(), samples.end(), is_driven))
+    return;
   Rms window;
   for (auto sample = samples.end() - kWindow; sample != samples.end(); ++sample) {
-    if (is_driven(*sample) || sample->drive_kV != 0.0F) return report::kUnknown;
-    window.add(0.0, sample->depth_mm);
+    if (is_driven(*sample) || sample->drive_kV != 0.0F) return;
+    if (sample->measured) window.add(0.0, sample->depth_mm);
   }
-  return window.mean();
+  // As the supervisor judges two lasers: more than a fifth of the samples apart are too many.
+  record.left_unmeasured = window.count < kWindow * 4 / 5;
+  if (!record.left_unmeasured) record.left_depth_mm = window.mean();
 }
 
 void measure_limits(report::RunRecord& record) {
   double deepest = 0.0, monitor = 0.0, hold_s = 0.0, held = 0.0, envelope = 0.0;
-  double locked_s = 0.0, locked = 0.0, before_ms = 0.0, whole_hold = 0.0;
+  double locked_s = 0.0, locked = 0.0, before_ms = 0.0, whole_hold = 0.0, longest_s = 0.0;
+  bool has_lock = false, longest_has_lock = false;  // of the present hold, and of the longest
   for (const report::Sample& sample : record.samples) {
     deepest = std::max(deepest, static_cast<double>(sample.depth_mm));
     monitor = std::max(monitor, static_cast<double>(std::abs(sample.monitor_kV)));
@@ -99,7 +104,10 @@ void measure_limits(report::RunRecord& record) {
              std::abs(trip.time_s * 1e3 - sample.time_ms) < 0.5;
     });
     if (too_long) held = whole_hold;
-    whole_hold = sample.mode == Mode::Hold ? whole_hold + since_s : 0.0;
+    const bool holds = sample.mode == Mode::Hold;
+    whole_hold = holds ? whole_hold + since_s : 0.0;
+    has_lock = holds && (has_lock || sample.locked);
+    if (whole_hold > longest_s) longest_s = whole_hold, longest_has_lock = has_lock;
     hold_s = std::max(hold_s, held);
     locked = sample.locked ? locked + since_s : 0.0;
     locked_s = std::max(locked_s, locked);
@@ -111,9 +119,14 @@ void measure_limits(report::RunRecord& record) {
       {"drive voltage", record.peak_kV, limits::kDriveMax_mV * 1e-6, "kV"},
       {"voltage monitor", monitor, limits::kMonitorTrip_mV * 1e-6, "kV"},
       {"step's drive envelope", envelope, 100.0, "%"},
-      {"longest hold", hold_s, limits::kHoldMax_ms * 1e-3, "s"},
   };
-  if (locked_s > 0.0) record.limits.push_back({"needle locked", locked_s, limits::kLockedMax_ms * 1e-3, "s"});
+  // By the clock, from the first tick of the hold to its last; what of it was not locked has a limit of its
+  // own.
+  const double longest_max_s = (longest_has_lock ? limits::kLockedMax_ms : limits::kHoldMax_ms) * 1e-3;
+  record.limits.push_back({"longest hold", std::max(longest_s, hold_s), longest_max_s, "s"});
+  if (locked_s == 0.0) return;
+  record.limits.push_back({"hold without the lock", hold_s, limits::kHoldMax_ms * 1e-3, "s"});
+  record.limits.push_back({"needle locked", locked_s, limits::kLockedMax_ms * 1e-3, "s"});
 }
 
 }  // namespace
@@ -138,10 +151,12 @@ void measure_run(report::RunRecord& record) {
   record.rmse_settled_mm = settled.value();
   record.rmse_all_mm = all.value();
   record.overshoot_mm = overshoot;
-  record.final_depth_mm = final_mean(record, &report::Sample::depth_mm);
-  record.left_depth_mm = left_depth(record);
+  record.final_depth_mm =
+      final_mean(record, &report::Sample::depth_mm, [](const auto& sample) { return sample.measured; });
+  measure_left(record);
   if (record.simulated) {
-    record.true_final_depth_mm = final_mean(record, &report::Sample::tip_mm);
+    record.true_final_depth_mm =
+        final_mean(record, &report::Sample::tip_mm, [](const auto&) { return true; });
     for (const report::Sample& sample : record.samples)
       record.true_depth_max_mm = std::fmax(record.true_depth_max_mm, static_cast<double>(sample.tip_mm));
   }

@@ -2,10 +2,19 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <utility>
+
+#include "robot/procedure/operator.hpp"
+#include "safety/types/thresholds.hpp"
 
 namespace biopsy::robot {
 namespace {
+
+bool is_measured(const Measurement& m) {
+  return m.laser_valid && m.laser_b_valid &&
+         std::abs(std::int64_t{m.depth_um} - m.depth_b_um) <= safety::kDiffer_um;
+}
 
 report::Sample sample_of(const CycleSample& cycle, double time_ms) {
   const CycleRecord& tick = cycle.record;
@@ -23,6 +32,7 @@ report::Sample sample_of(const CycleSample& cycle, double time_ms) {
   sample.stop = tick.supervisor.permit.stop;
   sample.step = static_cast<std::uint8_t>(tick.supervisor.step);
   sample.locked = tick.measurement.brake_on;
+  sample.measured = is_measured(tick.measurement);
   sample.verdict = tick.measurement.verdict;
   return sample;
 }
@@ -38,18 +48,20 @@ std::string layer_at(const Plan& plan, const Truth& truth) {
 
 }  // namespace
 
-RunNotes::RunNotes(const PreparedCase& prepared)
-    : plan_(std::get<Plan>(prepared.plan)), record_(planned_record(prepared)) {}
+RunNotes::RunNotes(const PreparedCase& prepared, std::size_t samples_max)
+    : plan_(std::get<Plan>(prepared.plan)), samples_max_(samples_max), record_(planned_record(prepared)) {
+  record_.samples.reserve(samples_max);  // touched as it fills; growing would copy 100 MB within a tick
+}
 
-void RunNotes::note_trip(const CycleRecord& tick) {
+void RunNotes::note_trip(const CycleRecord& tick, double now_ms) {
   const Mode now = tick.supervisor.permit.mode;
   const bool unasked = now == Mode::Trip || now == Mode::Lock ||
                        (now == Mode::Retract && tick.supervisor.reason != safety::Hazard::None) ||
                        (now == Mode::Hold && tick.supervisor.reason != safety::Hazard::None) ||
                        tick.supervisor.event == safety::Event::HoldTooLong;
   if (now == mode_ || !unasked) return;
-  record_.trips.push_back({record_.samples.back().time_ms * 1e-3, tick.supervisor.permit.stop,
-                           cause_of(tick.supervisor, tick.panel_unread_ms)});
+  record_.trips.push_back(
+      {now_ms * 1e-3, tick.supervisor.permit.stop, cause_of(tick.supervisor, tick.panel_unread_ms)});
 }
 
 // From the first tick, on the stage's clock. A stage that was started anew has another clock: its first tick
@@ -72,8 +84,12 @@ double RunNotes::time_ms(const Measurement& measurement) {
 void RunNotes::add(const CycleSample& cycle, const OperatorInputs& inputs) {
   const CycleRecord& seen = cycle.record;
   const double now_ms = time_ms(seen.measurement);
-  record_.samples.push_back(sample_of(cycle, now_ms));
-  note_trip(seen);
+  if (record_.samples.size() < samples_max_)
+    record_.samples.push_back(sample_of(cycle, now_ms));
+  else
+    ++record_.ticks_left_out;
+  record_.simulated_s = (now_ms + 1.0) * 1e-3;
+  note_trip(seen, now_ms);
   const bool enters_hold = seen.supervisor.permit.mode == Mode::Hold && mode_ == Mode::Active;
   record_.unasked_holds += enters_hold && !seen.supervisor.step_done && inputs.press.held;
   mode_ = seen.supervisor.permit.mode;
@@ -86,9 +102,27 @@ void RunNotes::add(const CycleSample& cycle, const OperatorInputs& inputs) {
   reached_ = reached_ || result.reached;
   if (reached_ && (mode_ == Mode::Active || mode_ == Mode::Hold))
     record_.layer_at_tip = layer_at(plan_, cycle.truth);
-  if (!inputs.acquiring) return;
-  if (tip_count_ == 0) {
+  note_image(cycle, now_ms, inputs.acquiring);
+}
+
+// In a tick without a new measurement nobody knows whether the drive switched. Of a locked needle without
+// voltage the next one tells: a change would last, and more such ticks than the supervisor bears end the
+// hold.
+bool RunNotes::spoils_image(const CycleRecord& tick) {
+  flagged_ticks_ = tick.supervisor.image_disturbed ? flagged_ticks_ + 1 : 0;
+  return flagged_ticks_ > (is_quiet(tick) ? safety::kStale_ticks : 0);
+}
+
+void RunNotes::note_image(const CycleSample& cycle, double now_ms, bool acquiring) {
+  const bool begins = acquiring && !imaging_;
+  imaging_ = acquiring;
+  if (!acquiring) return;
+  report::StepResult& result = record_.steps[cycle.record.supervisor.step];
+  if (begins) {
     result.image_s = now_ms * 1e-3;
+    result.hv_switching_during_image = false;  // what disturbed the image before is no matter of this one
+    flagged_ticks_ = 0;
+    tip_sum_mm_ = 0.0, tip_count_ = 0;
     tip_low_mm_ = tip_high_mm_ = cycle.truth.tip_mm;
   }
   tip_low_mm_ = std::min(tip_low_mm_, cycle.truth.tip_mm);
@@ -96,7 +130,7 @@ void RunNotes::add(const CycleSample& cycle, const OperatorInputs& inputs) {
   result.image_motion_mm = tip_high_mm_ - tip_low_mm_;
   tip_sum_mm_ += cycle.truth.tip_mm;
   ++tip_count_;
-  result.hv_switching_during_image = result.hv_switching_during_image || seen.supervisor.image_disturbed;
+  if (spoils_image(cycle.record)) result.hv_switching_during_image = true;
 }
 
 Millimetres RunNotes::take_imaged_tip() {

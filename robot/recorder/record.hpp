@@ -23,15 +23,16 @@ enum class RecordKind : std::uint8_t {
   Commissioning,
   ReceptionGap,  // messages that did not reach the recorder
   RecordsLost,   // of the recorder itself: writing failed and memory was full
+  PlanConfirmation,
 };
-inline constexpr std::size_t kRecordKinds = 13;
+inline constexpr std::size_t kRecordKinds = 14;
 
 // Written and hashed: never change one, only add.
 constexpr const char* name_of(RecordKind kind) {
   constexpr std::array<const char*, kRecordKinds> kNames{
-      "process start",   "process stop",  "plan",         "operator act", "request",
-      "request refused", "permit change", "state change", "depth check",  "alarm",
-      "commissioning",   "reception gap", "records lost"};
+      "process start",   "process stop",  "plan",         "operator act",     "request",
+      "request refused", "permit change", "state change", "depth check",      "alarm",
+      "commissioning",   "reception gap", "records lost", "plan confirmation"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

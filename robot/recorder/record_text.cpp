@@ -51,12 +51,20 @@ std::string process_text(const Json& body, bool started) {
   return text;
 }
 
+// An older log does not say it.
+std::string by_operator(const Json& body) {
+  const std::string name = body.value("operator", "");
+  return name.empty() ? "" : ", operator " + name;
+}
+
 std::string plan_text(const Json& body) {
   const std::string seal = body.at("seal").get<std::string>().substr(0, 16);
-  if (!body.at("seal_holds").get<bool>()) return fmt::format("a plan whose seal {} DOES NOT HOLD", seal);
-  return fmt::format("plan {} for patient {}: target {:.2f} mm in {} steps, {} of 2 confirmations", seal,
-                     body.at("patient").get<std::string>(), body.at("target_mm").get<double>(),
-                     body.at("stages").get<int>(), body.at("confirmations").get<int>());
+  if (!body.at("seal_holds").get<bool>())
+    return fmt::format("a plan whose seal {} DOES NOT HOLD{}", seal, by_operator(body));
+  return fmt::format(
+      "plan {} for patient {}: target {:.2f} mm in {} steps, {} of 2 confirmations at the console{}", seal,
+      body.at("patient").get<std::string>(), body.at("target_mm").get<double>(), body.at("stages").get<int>(),
+      body.at("confirmations").get<int>(), by_operator(body));
 }
 
 std::string act_text(const Json& body) {
@@ -105,6 +113,8 @@ std::string alarm_text(const Json& body) {
     const auto worst = body.at("worst").get<std::string>(), before = body.at("before").get<std::string>();
     return worst == "none" ? "over: " + before : worst;
   }
+  if (body.contains("beside"))
+    return (body.at("over").get<bool>() ? "over: " : "beside it: ") + body.at("beside").get<std::string>();
   if (body.contains("note")) {
     const auto note = body.at("note").get<std::string>();
     return note.empty() ? "its trouble is over" : note;
@@ -129,8 +139,19 @@ std::string request_text(const Json& body) {
 }
 
 std::string depth_check_text(const Json& body) {
-  return fmt::format("step {}: {}", body.at("stage").get<int>(),
-                     body.at("accepted").get<bool>() ? "its depth is accepted" : "no depth is accepted");
+  return fmt::format("step {}: {}{}", body.at("stage").get<int>(),
+                     body.at("accepted").get<bool>() ? "its depth is accepted" : "no depth is accepted",
+                     by_operator(body));
+}
+
+std::string confirmation_text(const Json& body) {
+  const std::string seal = body.at("seal").get<std::string>();
+  return fmt::format("confirms plan {} apart from the console{}", seal.substr(0, 16), by_operator(body));
+}
+
+// "armed on the device", "reset on the device": by whoever stands there.
+bool is_key_turn(const Json& body) {
+  return body.value("event", "").ends_with("on the device");
 }
 
 using Words = std::string (*)(const Json&);
@@ -138,6 +159,7 @@ const std::map<std::string, Words, std::less<>> kWords{
     {name_of(RecordKind::ProcessStart), [](const Json& body) { return process_text(body, true); }},
     {name_of(RecordKind::ProcessStop), [](const Json& body) { return process_text(body, false); }},
     {name_of(RecordKind::Plan), plan_text},
+    {name_of(RecordKind::PlanConfirmation), confirmation_text},
     {name_of(RecordKind::OperatorAct), act_text},
     {name_of(RecordKind::Request), request_text},
     {name_of(RecordKind::RequestRefused), [](const Json& body) { return body.at("why").get<std::string>(); }},
@@ -149,12 +171,22 @@ const std::map<std::string, Words, std::less<>> kWords{
 
 }  // namespace
 
-std::string text_of(const Record& record) {
+void SignedIn::follow(const Record& record) {
+  if (record.source != "person") return;
+  if (record.kind == name_of(RecordKind::ProcessStop)) name_.clear();
+  const Json body = Json::parse(record.body, nullptr, false);
+  const auto name = body.is_object() ? body.find("operator") : body.end();
+  if (name != body.end() && name->is_string()) name_ = name->get<std::string>();
+}
+
+std::string text_of(const Record& record, const std::string& signed_in) {
   const Json body = Json::parse(record.body, nullptr, false);
   if (!body.is_object()) return record.body;
   try {
     const auto words = kWords.find(record.kind);
-    return words == kWords.end() ? entries(body) : words->second(body);
+    const std::string text = words == kWords.end() ? entries(body) : words->second(body);
+    const bool turned = record.kind == name_of(RecordKind::StateChange) && is_key_turn(body);
+    return turned && !signed_in.empty() ? text + "; signed in: " + signed_in : text;
   } catch (const Json::exception&) {  // of another version of the program
     return record.body;
   }

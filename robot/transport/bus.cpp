@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cassert>
 #include <cstring>
+#include <type_traits>
 #include <utility>
 
 #include "robot/common/config_error.hpp"
@@ -71,6 +72,10 @@ Entity topic_on(const Participant& participant) {
                            nullptr),
           name.c_str()};
 }
+
+// Of all other topics one process is the writer.
+template <class Message>
+constexpr bool kEachProcessWrites = std::is_same_v<Message, Health>;
 
 // Whether the reader still knows this writer; asked only where another one wrote.
 bool is_matched(dds_entity_t reader, dds_instance_handle_t writer) {
@@ -161,10 +166,10 @@ bool Reader<Message>::take(Message& message) {
     if (dds_take(parts_->reader.handle(), &sample, &info, 1, 1) <= 0) return false;
     if (!info.valid_data || parts_->wire.robot != parts_->robot) continue;
     if (info.publication_handle != parts_->writer) {
-      if (is_matched(parts_->reader.handle(), parts_->writer))
-        parts_->second_wrote = true;
-      else
-        parts_->writer = info.publication_handle;
+      const bool second = is_matched(parts_->reader.handle(), parts_->writer);
+      parts_->second_wrote = parts_->second_wrote || second;
+      if (second && !kEachProcessWrites<Message>) continue;
+      parts_->writer = info.publication_handle;
     }
     decode(parts_->wire, message);
     return true;

@@ -67,7 +67,8 @@ class Reader {
   ~Reader();
   Reader(Reader&&) noexcept;
 
-  // The oldest message not yet taken. Allocates nothing for messages of fixed size.
+  // The oldest message not yet taken. Allocates nothing for messages of fixed size. What another writer wrote
+  // while the one of the messages before was still there is dropped, unless each process writes this topic.
   bool take(Message& message);
   // The newest; older ones are dropped. Returns how many there were.
   int take_newest(Message& message);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "safety/monitors/clock_step.hpp"
 #include "safety/monitors/debounce.hpp"
 #include "safety/types/limits.hpp"
 #include "safety/types/magnitude.hpp"
@@ -83,13 +84,12 @@ bool is_locked(const SupervisorInputs& seen) {
 // Whether it stays where the brake took it.
 void watch_brake(DepthMonitor& monitor, bool locked) {
   const std::int32_t mean_um = monitor.history.mean_um();
-  if (!locked) monitor.locked_um = mean_um, monitor.locked_ticks = monitor.slip_ticks = 0;
+  if (!locked) monitor.locked_um = mean_um, monitor.slip_ticks = 0;
   const std::int32_t moved_um = std::abs(mean_um - monitor.locked_um);
-  const bool slips = moved_um > limits::kStill_um + kStillNoise_um;
+  const bool slips = moved_um > limits::kStill_um - kStillNoise_um;
   // Once it has slipped, the image shows it elsewhere, wherever it is later.
   if (monitor.slip_ticks < kSlip_ticks)
     monitor.slip_ticks = debounced(monitor.slip_ticks, slips, kSlip_ticks);
-  monitor.locked_ticks = debounced(monitor.locked_ticks, locked, limits::kLockedMax_ms);
   monitor.settling_ticks = locked ? kSettling_ticks : std::max(monitor.settling_ticks - 1, 0);
 }
 
@@ -188,10 +188,10 @@ std::int32_t DriveWindow::highest_mV() const {
   return ticks == 0 ? past_high_mV : std::max(past_high_mV, high_mV[static_cast<std::size_t>(block)]);
 }
 
-DepthFindings update(const PlanFacts& plan, DepthMonitor& monitor, const SupervisorInputs& seen, bool fresh,
-                     bool zero_volts) {
+DepthFindings update(const PlanFacts& plan, DepthMonitor& monitor, const SupervisorInputs& seen,
+                     const LinkFindings& link, bool zero_volts) {
   const Measurement& m = seen.measurement;
-  if (fresh) {
+  if (link.fresh) {
     monitor.window.push(drive_magnitude_mV(m.command_mV));
     if (m.laser_valid) check_valid(plan, monitor, seen, zero_volts);
     monitor.dropout_score = accumulated(monitor.dropout_score, !m.laser_valid, kComes_goes, kDropout_ticks);
@@ -202,8 +202,10 @@ DepthFindings update(const PlanFacts& plan, DepthMonitor& monitor, const Supervi
   findings.needle_home = monitor.needle_home && !dropout;
   findings.needle_back = monitor.needle_back && !dropout;
   findings.locked = is_locked(seen);
+  monitor.locked_ms =
+      findings.locked ? later_ms(monitor.locked_ms, link.elapsed_ms, limits::kLockedMax_ms) : 0;
   findings.still = findings.locked && !dropout && monitor.slip_ticks < kSlip_ticks &&
-                   monitor.locked_ticks < limits::kLockedMax_ms;
+                   monitor.locked_ms < limits::kLockedMax_ms;
   return findings;
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 
+#include "safety/monitors/link_monitor.hpp"
 #include "safety/types/hazards.hpp"
 #include "safety/types/plan_facts.hpp"
 #include "safety/types/supervisor_inputs.hpp"
@@ -59,7 +60,7 @@ struct DepthMonitor {
   std::int32_t lowered_mV = 0, creeping_ticks = 0;  // the drive after it was lowered; left of its creep
   std::int32_t advanced_um = 0, idle_ticks = 0;     // deepest depth seen, to kAdvanced_um
   std::int64_t pull_V2 = 0, rest_pull_V2 = 0;       // |V|^2 there; without any motion
-  std::int32_t locked_um = 0, locked_ticks = 0;     // where and for how long the brake has held the needle
+  std::int32_t locked_um = 0, locked_ms = 0;        // where and for how long the brake has held the needle
   std::int32_t slip_ticks = 0;
   std::int32_t settling_ticks = 0;  // left since the brake let go of the needle
   std::int32_t code = 0, same_code_ticks = 0, frozen_low_mV = 0, frozen_high_mV = 0;
@@ -72,8 +73,8 @@ struct DepthFindings {
   bool still = false;   // and where it was when the brake took it, for no longer than kLockedMax_ms
 };
 
-// `zero_volts`: as the drive monitor found it in this tick.
-DepthFindings update(const PlanFacts& plan, DepthMonitor& monitor, const SupervisorInputs& seen, bool fresh,
-                     bool zero_volts);
+// `elapsed_ms`: as the link monitor counted them; `zero_volts`: as the drive monitor found it in this tick.
+DepthFindings update(const PlanFacts& plan, DepthMonitor& monitor, const SupervisorInputs& seen,
+                     const LinkFindings& link, bool zero_volts);
 
 }  // namespace biopsy::safety

@@ -8,7 +8,7 @@ Evidence assess(const PlanFacts& plan, EvidenceMemory& memory, const SupervisorI
   const PanelFindings panel = update(memory.panel, seen, answers);
   const bool stale = (link.found & bit(Hazard::SensorStale)) != 0;
   const DriveFindings drive = update(plan, memory.drive, seen, link.fresh, stale);
-  const DepthFindings depth = update(plan, memory.depth, seen, link.fresh, drive.zero_volts);
+  const DepthFindings depth = update(plan, memory.depth, seen, link, drive.zero_volts);
   const HazardSet agreement = update(plan, memory.agreement, seen.measurement, link.fresh);
   Evidence evidence;
   evidence.clear = ~(link.found | panel.found | drive.found | depth.found | agreement) & kAllHazards;

@@ -26,8 +26,14 @@ void advance(PanelMonitor& monitor, const SupervisorInputs& seen, bool turned) {
   if (monitor.test == Test::None && closed) monitor.test = Test::Closed;
   if (monitor.test != Test::None && open)
     monitor.test = Test::Pressed;  // after a test as well: a press is one
-  if (monitor.test == Test::Pressed && closed && turned)
+  if (monitor.test == Test::Pressed && closed && turned && !seen.local_arm)
     monitor.test = Test::Passed, monitor.tested_us = seen.now_us;
+}
+
+void check_keys(PanelMonitor& monitor, const SupervisorInputs& seen) {
+  const bool turned = seen.local_arm || seen.local_reset;
+  if (!turned || hv_permitted(seen.permit.mode)) monitor.keys_open_us = seen.now_us;
+  if (!is_less_than_after(monitor.keys_open_us, seen.now_us, kKeyStuck_us)) monitor.test = Test::None;
 }
 
 HazardSet check_relay(PanelMonitor& monitor, const SupervisorInputs& seen, bool answers,
@@ -50,6 +56,7 @@ PanelFindings update(PanelMonitor& monitor, const SupervisorInputs& seen, bool a
   monitor.reset_was_down = seen.local_reset;
   const bool pressed = !seen.panel_read || !seen.estop_a_closed || !seen.estop_b_closed;
   advance(monitor, seen, turned);
+  check_keys(monitor, seen);
   findings.reset = !pressed && turned && monitor.pressed;
   if (pressed) monitor.pressed = true;
   if (!pressed && turned) monitor.pressed = false;

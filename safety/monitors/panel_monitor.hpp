@@ -2,8 +2,8 @@
 // the relay and the two timers of the interlock (latent faults, ISO 14971 and IEC 61508: proof test).
 //
 // Emergency stop and reset key are tested by a person once in a session: both contacts closed, both open,
-// both closed again and the reset key turned. A press is latched until the reset key is turned (ISO
-// 13850, 4.1.4).
+// both closed again and the reset key turned, the arm key being open. A press is latched until the reset key
+// is turned (ISO 13850, 4.1.4). A key that stays turned is stuck, and the test is void.
 //
 // The interlock tests itself. In Boot only the supervisor feeds it, in Safe, Trip and Lock only the driver,
 // otherwise both: a timer that does not open or a welded relay shows in Boot or Safe, one that does not close
@@ -21,7 +21,8 @@ struct PanelMonitor {
   enum class Test : std::uint8_t { None, Closed, Pressed, Passed };
   Test test = Test::None;  // how far it got
   std::int64_t tested_us = 0;
-  bool pressed = false;  // latched
+  std::int64_t keys_open_us = 0;  // when neither key was turned, or voltage was permitted
+  bool pressed = false;           // latched
   bool reset_was_down = true;
   std::int32_t differs_ticks = 0;
   bool differed = false;         // until both contacts were seen open together

@@ -145,14 +145,14 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
      "R-29", Monitor::Link,
      "numbers of the plan that no robot of this kind can mean, a step beyond the drives that the plausible "
      "band knows, or with a patient a depth limit or a band wider than the supervisor allows, a step back, "
-     "or a band that does not begin at rest"},
+     "a last step without an image, or a band that does not begin at rest"},
     {Hazard::PlanUnconfirmed, StopCategory::C1Ramp, 1, "H-19 plan lacks its two confirmations", "R-30",
      Monitor::Link,
      "two confirmations of this very plan are missing; for a bench plan also no patient and no needle"},
     {Hazard::PanelUntested, StopCategory::C1Ramp, 1, "H-45 emergency stop and reset key are not tested",
      "R-66", Monitor::Link,
      "both contacts seen open, closed again and the reset key turned: not since the start, or not "
-     "for a day"},
+     "for a day; or a key turned for 10 s without voltage"},
     {Hazard::StepDepth, StopCategory::C2Hold, 2, "H-01 needle would pass the depth of its step", "R-31",
      Monitor::Depth, "stopping point beyond the step's depth + 0.5 mm, 2 samples"},
     {Hazard::SuspectTissueModel, StopCategory::C2Hold, 100, "H-21 tissue behaves unlike the plan", "R-32",

@@ -33,18 +33,27 @@ bool is_plausible(const PlausibleBand& band) {
 // is right. The plan ends 0.5 mm beyond what its deepest step may reach, which is 0.5 mm beyond that step
 // (robot/cycle/plan_facts).
 constexpr std::int32_t kBeyondSteps_um = 501;  // one for rounding
-// Of every model and weight here the band at rest ends at 4.5 mm, where a needle may be held by friction, and
-// is 20.3 mm wide at most.
-constexpr std::int32_t kRestLow_um = -1'000, kRestHigh_um = 5'000, kBandWidth_um = 21'000;
+// Of every model and weight here the band ends at 4.5 mm at rest, where a needle may be held by friction, at
+// 16.1 mm at 3 kV and at 20.8 mm at 8 kV.
+constexpr std::int32_t kRestLow_um = -1'000, kRestHigh_um = 5'000, kHighest_um = 21'000;
+constexpr std::int64_t kSteepest_um_per_kV = 3'800;
+// And a needle of 300 g may have lifted from 3.5 kV on: without that no standing still would be a fault.
+constexpr std::int32_t kLiftingMax_mV = 4'000'000;
+
+// The highest depth that any stage of this kind could have.
+constexpr std::int64_t highest_um(std::int32_t drive_mV) {
+  return std::min<std::int64_t>(kRestHigh_um + drive_mV * kSteepest_um_per_kV / 1'000'000, kHighest_um);
+}
 
 bool is_bounded(const PlanFacts& plan) {
   const std::span steps = std::span(plan.steps).first(plan.step_count);
   if (!std::ranges::is_sorted(steps, {}, &StepLimits::depth_max_um)) return false;
+  if (!steps.back().image_confirms) return false;  // no target is reached unseen
   if (plan.depth_max_um > steps.back().depth_max_um + kBeyondSteps_um) return false;
   if (plan.bands[0].drive_mV != 0) return false;  // what follows is said of the needle at rest
-  if (plan.bands[0].low_um < kRestLow_um || plan.bands[0].high_um > kRestHigh_um) return false;
+  if (plan.bands[0].low_um < kRestLow_um || lifting_drive_mV(plan) > kLiftingMax_mV) return false;
   for (std::size_t i = 0; i < plan.band_count; ++i)
-    if (plan.bands[i].high_um - plan.bands[i].low_um > kBandWidth_um) return false;
+    if (plan.bands[i].high_um > highest_um(plan.bands[i].drive_mV)) return false;
   for (std::size_t i = 1; i < plan.band_count; ++i)
     if (plan.bands[i].low_um < plan.bands[i - 1].low_um || plan.bands[i].high_um < plan.bands[i - 1].high_um)
       return false;

@@ -30,6 +30,8 @@ inline constexpr std::int64_t kPanelRead_us =
 inline constexpr std::int32_t kRelay_ticks = 30;
 // A day's work: what failed since the last press is found before the next day's first patient.
 inline constexpr std::int64_t kPanelTest_us = 24LL * 3'600 * 1'000'000;
+// Nobody turns a key for so long without voltage: it is stuck, and the panel has to be tested anew.
+inline constexpr std::int64_t kKeyStuck_us = 10'000'000;
 inline constexpr std::int32_t kLogBacklog_ms = 1'000;     // safety concept
 inline constexpr std::int32_t kPatientMotion_um = 2'000;  // safety concept
 // Longer than the jump of a puncture, and ten times the reaction to anything quick.
@@ -124,9 +126,9 @@ inline constexpr std::int32_t kCreeping_ticks = 4'000;
 // scan, carry it: by 0.6 mm and within 100 ms in healthy procedures. Half a period, in which a zero that
 // walks by 1 mm/s is off by 0.25 mm; one that jumps then is found by the second laser.
 inline constexpr std::int32_t kSettling_ticks = 250;
-// Of the mean of eight readings: five of its deviations with 27 um of noise. Longer than the noise is
-// correlated.
-inline constexpr std::int32_t kStillNoise_um = 50, kSlip_ticks = 20;
+// Of the mean of eight readings: two and a half of its deviations with 27 um of noise, so that a needle seen
+// within kStill_um less this is within kStill_um. Longer than the noise is correlated.
+inline constexpr std::int32_t kStillNoise_um = 25, kSlip_ticks = 20;
 inline constexpr std::int32_t kNotBack_ticks = 500;  // safety concept: > 1 mm 500 ms after 0 V
 
 // Supervisor

@@ -15,9 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// "Suite.Name" of every TEST, TEST_F, TEST_P and TYPED_TEST.
+// "Suite.Name" of every TEST, TEST_F, TEST_P and TYPED_TEST, and of every script that is a test.
 std::set<std::string> declared_tests() {
   const std::regex macro(R"(^(?:TYPED_)?TEST(?:_[FP])?\((\w+), (\w+)\))");
+  const std::regex script(R"(add_test\(NAME (\w+\.\w+))");
   std::set<std::string> found;
   for (const auto& entry : fs::recursive_directory_iterator(biopsy::source_dir() / "tests"))
     if (entry.path().extension() == ".cpp") {
@@ -28,6 +29,10 @@ std::set<std::string> declared_tests() {
         std::smatch match;
         if (std::regex_search(line, match, macro)) found.insert(match.str(1) + "." + match.str(2));
       }
+    } else if (entry.path().filename() == "CMakeLists.txt") {
+      std::smatch match;
+      for (const std::string& line : lines_of(entry.path()))
+        if (std::regex_search(line, match, script)) found.insert(match[1]);
     }
   return found;
 }

@@ -13,6 +13,7 @@
 #include "sim/plant/model_file.hpp"
 #include "tests/bench/blind/blind_cases.hpp"
 #include "tests/bench/gap_peers.hpp"
+#include "tests/kept_figures.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/sim/gap/gap_score.hpp"
 
@@ -26,7 +27,7 @@ using hidden::Answer;
 constexpr double kWellClosed = 0.8, kHalfClosed = 0.5;
 
 struct Options {
-  std::string only, kind, write, peers = "none";
+  std::string only, kind, write, peers = "none", keep;
   int every = 1, from = 0;
   std::uint64_t seed = 1;
 };
@@ -162,6 +163,9 @@ int run(const Options& options) {
   std::vector<std::pair<std::string, hidden::Score>> columns{{"find_gap", ours}};
   for (const Method& peer : peers) columns.emplace_back(peer.name, peer.score);
   fmt::print("\n{}\n", score_table(columns));
+  if (!options.keep.empty())
+    write_figures("blind",
+                  {options.keep, "explanation/gap-search.md", "g++ " __VERSION__, score_rows(columns)});
   fmt::print(
       "Named with less than half of the gap closed: {}. Outside the library and unexplained: {}; a term "
       "proposed: "
@@ -183,6 +187,7 @@ int main(int argc, char** argv) {
   app.add_option("--from", options.from, "which of each n")->check(CLI::NonNegativeNumber);
   app.add_option("--seed", options.seed, "of all that is drawn");
   app.add_option("--write", options.write, "only write the cases into this folder, and print the answers");
+  app.add_option("--keep", options.keep, "keep the table for the documentation, as that of this command");
   app.add_option("--peers", options.peers,
                  "none, fast (sparse regression, all parameters) or all (naive BIC too)")
       ->check(CLI::IsMember({"none", "fast", "all"}));

@@ -1,7 +1,7 @@
 // What a check of the depth costs: three planes along a needle, and a whole volume, out of a real re-scan of
 // one patient (../shared/data/images/mr) with needles drawn into it; beside one Gaussian blur by OpenCV of
 // the same volume. CPU time of one thread, the better of two.
-//   bench_depth_check [needles]
+//   bench_depth_check [needles [keep]]      keep: the table of the documentation anew
 // Exit code 77 where the images are absent.
 #include <fmt/format.h>
 
@@ -10,12 +10,14 @@
 #include <cmath>
 #include <cstdlib>
 #include <opencv2/core/utility.hpp>
+#include <opencv2/core/version.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <vector>
 
 #include "planner/imaging/depth_check/depth_check.hpp"
 #include "tests/bench/bench_result.hpp"
+#include "tests/kept_figures.hpp"
 #include "tests/planner/imaging/rescan/rescan_case.hpp"
 
 namespace biopsy::bench {
@@ -81,9 +83,9 @@ struct Cost {
     }
     sum_s += best_s, worst_s = std::max(worst_s, best_s), ++checks;
   }
-  void print(const char* what, double peer_s) const {
-    fmt::print("{:<34}{:>8}{:>10.3f}{:>10.3f}{:>12.2f}\n", what, checks, sum_s / checks, worst_s,
-               worst_s / peer_s);
+  std::vector<std::string> row(const char* what, double peer_s) const {
+    return {what, std::to_string(checks), fmt::format("{:.2f}", sum_s / checks),
+            fmt::format("{:.2f}", worst_s), fmt::format("{:.1f}", worst_s / peer_s)};
   }
 };
 
@@ -97,7 +99,7 @@ double blur_s(Volume volume) {
   return cpu_s() - begin_s;
 }
 
-int run(std::uint64_t needles) {
+int run(std::uint64_t needles, bool keep) {
   cv::setNumThreads(1);
   const auto pair = imaging::rescan::real_pair("rescan");
   if (!pair) {
@@ -115,10 +117,16 @@ int run(std::uint64_t needles) {
     volume.measure(*drawn, large);
     if (peer_s == 0.0) peer_s = blur_s(large.front());
   }
-  fmt::print("{:<34}{:>8}{:>10}{:>10}{:>12}\n", "CPU time, s", "checks", "mean", "worst", "worst/blur");
-  planes.print("three planes along the needle", peer_s);
-  volume.print("512 x 512 x 200 voxels", peer_s);
-  fmt::print("{:<34}{:>8}{:>10.3f}\n", "one Gaussian blur of the latter", 1, peer_s);
+  const std::vector<std::vector<std::string>> rows{
+      planes.row("three planes of 256 x 256, two along the needle", peer_s),
+      volume.row("512 x 512 x 200 voxels", peer_s)};
+  fmt::print("{:<50}{:>8}{:>10}{:>10}{:>12}\n", "CPU time, s", "checks", "mean", "worst", "worst/blur");
+  for (const auto& row : rows)
+    fmt::print("{:<50}{:>8}{:>10}{:>10}{:>12}\n", row[0], row[1], row[2], row[3], row[4]);
+  fmt::print("{:<50}{:>8}{:>10.3f}\n", "one Gaussian blur of the latter", 1, peer_s);
+  if (keep)
+    write_figures("depth-check-cost", {fmt::format("./dev bench depth_check {} keep", needles),
+                                       "explanation/depth-check.md", "OpenCV " CV_VERSION, rows});
   return 0;
 }
 
@@ -127,9 +135,10 @@ int run(std::uint64_t needles) {
 
 int main(int argc, char** argv) {
   const int needles = argc > 1 ? std::atoi(argv[1]) : 24;
-  if (argc > 2 || needles < 1) {
-    fmt::print(stderr, "error: bench_depth_check takes a number of needles\n");
+  const bool keep = argc == 3 && std::string(argv[2]) == "keep";
+  if (argc > (keep ? 3 : 2) || needles < 1) {
+    fmt::print(stderr, "error: bench_depth_check takes a number of needles, and after it `keep`\n");
     return 2;
   }
-  return biopsy::bench::run(static_cast<std::uint64_t>(needles));
+  return biopsy::bench::run(static_cast<std::uint64_t>(needles), keep);
 }

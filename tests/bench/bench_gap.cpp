@@ -12,6 +12,7 @@
 #include "sim/gap/find_gap.hpp"
 #include "sim/plant/model_file.hpp"
 #include "tests/bench/gap_peers.hpp"
+#include "tests/kept_figures.hpp"
 #include "tests/sim/gap/gap_score.hpp"
 #include "tests/sim/gap/generator/hidden_data.hpp"
 
@@ -35,7 +36,7 @@ struct Method {
 
 struct Options {
   bool quick = false, list = false, no_timing = false, say_steps = false;
-  std::string only, group, peers = "some";
+  std::string only, group, peers = "some", keep;
   int seeds = 1, every = 1, runs = 0;
   double length = 1.0;
 };
@@ -111,10 +112,12 @@ void run_cases(const std::vector<HiddenCase>& cases, std::vector<Method>& all) {
   }
 }
 
-void print_table(const std::vector<Method>& all) {
+void print_table(const std::vector<Method>& all, const std::string& keep) {
   std::vector<std::pair<std::string, hidden::Score>> columns;
   for (const Method& method : all) columns.emplace_back(method.name, method.score);
   fmt::print("\n{}\n", score_table(columns));
+  if (!keep.empty())
+    write_figures("gap", {keep, "explanation/gap-search.md", "g++ " __VERSION__, score_rows(columns)});
 }
 
 double recorded_seconds(const sim::Dataset& data) {
@@ -124,7 +127,8 @@ double recorded_seconds(const sim::Dataset& data) {
 }
 
 // Two effects, so that every round of the search is held; six runs, as long in all as the bar says.
-void print_time(const Method& method) {
+void print_time(const Method& method, const std::string& keep) {
+  std::vector<std::vector<std::string>> rows;
   const auto all = hidden::hidden_cases();
   for (const char* name :
        {"coulomb_friction/strong", "coulomb_friction+charge_retention", "speckle_wander/strong"}) {
@@ -136,7 +140,9 @@ void print_time(const Method& method) {
                recorded_seconds(data), name, answer.seconds, kMostSeconds,
                answer.seconds < kMostSeconds ? "" : "  MISSED");
     print_line(method, largest, answer);
+    rows.push_back({fmt::format("`{}`", name), fmt::format("{:.0f} s", answer.seconds)});
   }
+  if (!keep.empty()) write_figures("gap-time", {keep, "explanation/gap-search.md", "g++ " __VERSION__, rows});
 }
 
 Options read_options(CLI::App& app, int argc, char** argv) {
@@ -152,6 +158,7 @@ Options read_options(CLI::App& app, int argc, char** argv) {
       ->check(CLI::Range(0.2, 1.0));
   app.add_option("--runs", options.runs, "of each case, at most")->check(CLI::PositiveNumber);
   app.add_option("--seeds", options.seeds, "draws of each case")->check(CLI::PositiveNumber);
+  app.add_option("--keep", options.keep, "keep the table for the documentation, as that of this command");
   app.add_option("--peers", options.peers,
                  "none, fast (without naive selection), some (that on every sixth case), all, or only: "
                  "without the search")
@@ -168,8 +175,8 @@ int run(const Options& options) {
   }
   auto all = methods(options);
   run_cases(cases, all);
-  print_table(all);
-  if (!options.no_timing && options.peers != "only") print_time(all.front());
+  print_table(all, options.keep);
+  if (!options.no_timing && options.peers != "only") print_time(all.front(), options.keep);
   return 0;
 }
 

@@ -109,6 +109,7 @@ void safety_run(const Biopsy& biopsy, const Record& record) {
                                      .plan = biopsy.facts,
                                      .sealed_tag = tag,
                                      .confirmed_tag = {tag, tag},
+                                     .seal = biopsy.plan.seal,
                                      .state = safety::started(1)};
   robot::assume_tested_panel(supervisor);
   robot::SupervisorSources in;
@@ -117,7 +118,7 @@ void safety_run(const Biopsy& biopsy, const Record& record) {
     in.now_us = static_cast<std::int64_t>(k + 1) * 1000;
     in.measurement = record.ticks[k].measurement;
     in.writers = 1;
-    in.files_tag = biopsy.facts.config_tag;
+    in.files_tag = biopsy.facts.config_tag, in.files_read_us = in.now_us;
     in.panel = {robot::panel_levels(record.inputs[k]), true};
     in.panel.levels.relay_closed =
         supervisor.permit.mode == Mode::Ready || safety::hv_permitted(supervisor.permit.mode);

@@ -23,7 +23,7 @@ struct DepthBench {
   HazardSet sample(std::int32_t depth_um) {
     seen.measurement.depth_um = depth_um;
     ++seen.measurement.laser_code;
-    return update(plan, monitor, seen, true, zero_volts).found;
+    return update(plan, monitor, seen, LinkFindings{.fresh = true}, zero_volts).found;
   }
   HazardSet samples(int count, std::int32_t depth_um) {
     HazardSet found = 0;

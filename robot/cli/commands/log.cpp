@@ -107,16 +107,23 @@ int exit_code(const Verdict& verdict) {
   return std::holds_alternative<LogHead>(verdict) ? 0 : 1;
 }
 
-std::string row_text(const Record& record, bool raw) {
+struct Row {
+  Record record;
+  std::string signed_in;
+};
+
+std::string row_text(const Row& row, bool raw) {
+  const Record& record = row.record;
   return fmt::format("{:>7}  {:.23}  {:<11}  {:<15}  {}\n", record.seq, recorder::utc_text(record.utc_ns),
                      plain(record.source), plain(record.kind),
-                     plain(raw ? record.body : recorder::text_of(record)));
+                     plain(raw ? record.body : recorder::text_of(record, row.signed_in)));
 }
 
-nlohmann::ordered_json record_json(const Record& record) {
+nlohmann::ordered_json record_json(const Row& row) {
+  const Record& record = row.record;
   return {{"record", record.seq},           {"time_utc", recorder::utc_text(record.utc_ns)},
           {"source", plain(record.source)}, {"kind", plain(record.kind)},
-          {"body", plain(record.body)},     {"text", plain(recorder::text_of(record))}};
+          {"body", plain(record.body)},     {"text", plain(recorder::text_of(record, row.signed_in))}};
 }
 
 std::string dumped(const nlohmann::ordered_json& json) {
@@ -185,19 +192,21 @@ class Selection {
 Result show(const Options& options, const Context&) {
   Selection selection(options);
   const auto last = static_cast<std::size_t>(options.last);
-  std::deque<Record> kept;
+  std::deque<Row> kept;
+  recorder::SignedIn signed_in;
   const Verdict verdict = recorder::verify(options.log, key_for(options), [&](const Record& record) {
+    signed_in.follow(record);
     if (!selection.has(record)) return;
-    kept.push_back(record);
+    kept.push_back({record, signed_in.name()});
     if (last != 0 && kept.size() > last) kept.pop_front();
   });
   if (std::holds_alternative<LogHead>(verdict)) selection.refuse_unknown_sources();
   std::string text =
       fmt::format("{:>7}  {:<23}  {:<11}  {:<15}  {}\n", "record", "time, UTC", "from", "kind", "what");
   nlohmann::ordered_json records = nlohmann::ordered_json::array();
-  for (const Record& record : kept) {
-    text += row_text(record, options.raw);
-    records.push_back(record_json(record));
+  for (const Row& row : kept) {
+    text += row_text(row, options.raw);
+    records.push_back(record_json(row));
   }
   return {.exit_code = exit_code(verdict),
           .text = text + "\n" + sentence(verdict),

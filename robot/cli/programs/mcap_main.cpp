@@ -36,7 +36,7 @@ void record(const Options& options) {
   realtime::StopSignals signals;
   const live::LiveSettings settings = live::read_settings(fs::absolute(options.run_folder));
   realtime::run_in_background();
-  const transport::Participant bus(live::bus_settings(settings, security::Role::Observer));
+  const transport::Participant bus(live::bus_settings(settings, security::Role::Mcap));
   const fs::path file = robot::free_mcap_name(live::own_folder(options.run_folder));
   robot::McapRecorder recorder(bus, file, options.rate_Hz, "biopsy-mcap");
   kLog.info("recording to {}", file.string());

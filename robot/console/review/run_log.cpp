@@ -78,12 +78,14 @@ RunLog read_run_log(const fs::path& folder, const std::vector<review::Span>& spa
                            counted(place->matched, "change") + " of state",
                            1e-3 * static_cast<double>(place->spread_us));
     const auto until_us = static_cast<std::int64_t>(1e6 * end_s) + kAround_us;
+    recorder::SignedIn signed_in;
     for (const Record& record : read.all) {
+      signed_in.follow(record);
       const std::int64_t at_us = record.mono_us - place->zero_us;
       if (at_us < -kAround_us || at_us > until_us) continue;
       log.entries.push_back({1e-6 * static_cast<double>(at_us), shortened(plain(record.source), kSource),
                              shortened(plain(record.kind), kKind),
-                             shortened(plain(recorder::text_of(record)), kText)});
+                             shortened(plain(recorder::text_of(record, signed_in.name())), kText)});
     }
     std::stable_sort(log.entries.begin(), log.entries.end(),
                      [](const review::LogEntry& a, const review::LogEntry& b) { return a.at < b.at; });

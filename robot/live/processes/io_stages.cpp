@@ -20,7 +20,8 @@ digital_io::PanelLevels panel_levels(const drivers::Panel& panel) {
           .estop_a_closed = panel.estop_a_closed,
           .estop_b_closed = panel.estop_b_closed,
           .bench_key = false,
-          .relay_closed = panel.relay_closed};
+          .relay_closed = panel.relay_closed,
+          .relay_wired = true};
 }
 
 drivers::SensorReading SimulatedNeedleStage::read() {

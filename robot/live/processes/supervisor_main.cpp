@@ -51,7 +51,7 @@ void supervise(const std::filesystem::path& run_folder) {
   const live::ConfigWatch config(run_folder, process.settings());
   live::SupervisorLoop loop(process.bus(), pulse, panel, config.files(), process.config_tag(),
                             live::monotonic_session_id(live::own_folder(run_folder) / "session"),
-                            robot::self_test());
+                            robot::self_test(), !drivers::is_simulated(process.settings().device));
   process.start_ticking();
   const auto now_us = [] { return realtime::monotonic_ns() / 1000; };
   bool failed = false;

@@ -89,9 +89,11 @@ CycleSample LiveRobot::cycle_of(const Measurement& next) const {
   cycle.record.drive_mV = next.command_mV;
   const Decision& decision = passed_ ? *passed_ : decision_;
   cycle.record.supervisor = supervisor_output(decision, permit_);
+  cycle.record.supervisor.image_disturbed = disturbed_ || decision_.image_disturbed;
   cycle.record.panel_unread_ms = decision.panel_unread_ms;
   cycle.record.evidence.clear =
-      safety::kAllHazards & ~safety::bit(cycle.record.supervisor.worst);  // as far as is told
+      safety::kAllHazards & ~safety::bit(cycle.record.supervisor.worst) &
+      ~(decision.estop ? safety::bit(safety::Hazard::EStop) : 0);  // as far as is told
   cycle.truth = {truth_.tip_nm * 1e-6, truth_.plate_b_nm * 1e-6, truth_.layers_entered, truth_.active_faults};
   cycle.setpoint = from_um(request_.setpoint_um);
   return cycle;
@@ -99,8 +101,10 @@ CycleSample LiveRobot::cycle_of(const Measurement& next) const {
 
 void LiveRobot::gather() {
   permits_.take_newest(permit_);
-  while (decisions_.take(decision_))
+  while (decisions_.take(decision_)) {
     if (decision_.mode == Mode::Retract || decision_.mode == Mode::Trip) passed_ = decision_;
+    disturbed_ = disturbed_ || decision_.image_disturbed;
+  }
   requests_.take_newest(request_);
   truths_.take_newest(truth_);
   Measurement next;
@@ -109,6 +113,7 @@ void LiveRobot::gather() {
       if (next.seq > measured_.seq + 1) lost_ += next.seq - measured_.seq - 1;
       const CycleSample cycle = cycle_of(next);
       passed_.reset();
+      disturbed_ = false;
       const std::lock_guard lock(mutex_);
       cycles_.push_back(cycle);
     }

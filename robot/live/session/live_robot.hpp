@@ -68,6 +68,7 @@ class LiveRobot {
   Permit permit_;
   Decision decision_;
   std::optional<Decision> passed_;  // of a ramp or trip that no tick has shown yet: at 0 V a ramp lasts one
+  bool disturbed_ = false;          // the image, by a decision that no tick has shown yet
   DriveRequest request_;
   StageTruth truth_;
   OperatorAct act_;           // sent last

@@ -14,6 +14,7 @@
 #include "planner/plan/seal.hpp"
 #include "robot/common/config_error.hpp"
 #include "robot/common/files/file.hpp"
+#include "robot/common/operator_name.hpp"
 #include "robot/live/live_process.hpp"
 #include "robot/live/realtime/tick_clock.hpp"
 #include "robot/recorder/log_file.hpp"
@@ -26,6 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::chrono::milliseconds kLook{20};
 constexpr std::chrono::seconds kHealthy{15};  // authentication on a secured bus takes a second or two
 constexpr int kRehearsalDays = 365;
 constexpr std::array kStarted{security::Role::Stage, security::Role::Controller, security::Role::Supervisor,
@@ -123,6 +125,7 @@ LiveSession::LiveSession(const LiveOptions& options, const std::string& device,
     bus_ = std::make_unique<transport::Participant>(live::bus_settings(settings_, security::Role::Planner));
     robot_ = std::make_unique<LiveRobot>(*bus_, drivers::is_simulated(device) ? settings_.lines : fs::path(),
                                          config_tag_);
+    confirmations_.emplace(*bus_);
   }
   launcher_.start();
 }
@@ -147,7 +150,7 @@ void LiveSession::wait_until_healthy() {
         missing += fmt::format(" {}", name_of(process));
     }
     if (missing.empty()) return;
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    std::this_thread::sleep_for(kLook);
   } while (realtime::monotonic_ns() < until_ns);
   throw ConfigError(fmt::format("not heard on the bus:{}", missing), folder_.string(),
                     "see *.txt in this folder; check keys and network interface");
@@ -156,6 +159,12 @@ void LiveSession::wait_until_healthy() {
 void LiveSession::send_plan(const Plan& plan) {
   const std::uint64_t tag = planner::plan_tag(plan);
   robot_->send_plan(plan, {tag, tag});
+  // A confirmation is taken only of the plan that the supervisor has.
+  const std::int64_t until_ns = realtime::monotonic_ns() + std::chrono::nanoseconds(kHealthy).count();
+  while (robot_->health()[static_cast<std::size_t>(Process::Supervisor)].plan_tag != tag &&
+         realtime::monotonic_ns() < until_ns)
+    std::this_thread::sleep_for(kLook);
+  confirmations_.value().write({.seq = 1, .seal = plan.seal, .person = operator_name()});
 }
 
 std::vector<std::string> LiveSession::stop() {

@@ -53,6 +53,7 @@ class LiveSession {
   Launcher launcher_;
   std::unique_ptr<transport::Participant> bus_;
   std::unique_ptr<LiveRobot> robot_;
+  std::optional<transport::Writer<PlanConfirmation>> confirmations_;
 };
 
 }  // namespace biopsy::robot

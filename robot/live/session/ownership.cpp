@@ -24,8 +24,9 @@ namespace fs = std::filesystem;
 using security::Role;
 
 // Roles that are processes of the installed system.
-constexpr std::array kProcessRoles{Role::Stage,   Role::Controller, Role::Supervisor, Role::Recorder,
-                                   Role::Console, Role::Navigation, Role::Observer};
+constexpr std::array kProcessRoles{Role::Stage,    Role::Controller, Role::Supervisor,
+                                   Role::Recorder, Role::Console,    Role::Navigation,
+                                   Role::Observer, Role::Mcap,       Role::Confirmer};
 
 std::string user_of(std::string_view process) {
   return fmt::format("biopsy-{}", process);

@@ -9,7 +9,9 @@
 #include "planner/plan/plan_insertion.hpp"
 #include "planner/plan/registration.hpp"
 #include "robot/common/config_error.hpp"
+#include "robot/cycle/plan_facts.hpp"
 #include "safety/types/limits.hpp"
+#include "safety/types/plan_facts.hpp"
 #include "sim/scanner/dicom_series.hpp"
 #include "sim/scanner/phantom.hpp"
 
@@ -118,6 +120,22 @@ std::vector<std::string> warnings_of_layers(const std::vector<Layer>& layers, bo
                       unlabelled_mm)};
 }
 
+// What the supervisor would refuse (H-20) is said before anybody confirms it. The planner keeps its other
+// bounds by itself; how deep this stage could be at a drive comes from the stage's model.
+std::optional<PlanRefusal> objection_of_supervisor(const Plan& plan) {
+  const safety::PlanFacts facts = plan_facts(plan, 1);
+  if (safety::is_plausible(facts)) return std::nullopt;
+  const safety::PlausibleBand& last = facts.bands[facts.band_count - 1];
+  return PlanRefusal{
+      fmt::format(
+          "the supervisor would refuse this plan (H-20): by its model this stage is none of this kind. "
+          "Its needle may be {:.1f} mm deep at 0 V (at most 5.0) and {:.1f} mm at {:.1f} kV (21.0), and "
+          "lifts from {:.1f} kV on (4.0)",
+          facts.bands[0].high_um * 1e-3, last.high_um * 1e-3, last.drive_mV * 1e-6,
+          safety::lifting_drive_mV(facts) * 1e-6),
+      "give a model of the stage as it is (biopsy calibrate); a stage that is so needs service"};
+}
+
 }  // namespace
 
 void plan_to_target(PreparedCase& out) {
@@ -143,6 +161,9 @@ void plan_to_target(PreparedCase& out) {
   request.gains = given.gains;
   request.tip_offset = given.tip_offset;
   out.plan = planner::plan_insertion(request);
+  const Plan* plan = std::get_if<Plan>(&out.plan);
+  if (plan == nullptr) return;
+  if (const auto refusal = objection_of_supervisor(*plan)) out.plan = *refusal;
 }
 
 PreparedCase prepare(const Case& given, const std::filesystem::path& folder) {

@@ -65,8 +65,25 @@ std::string objection_to_identity(const imaging::IncomingSeries& image, const Ex
   return {};
 }
 
+// Scanners that state no fractions name the second in which the acquisition began, not the moment.
+std::string objection_to_early(Time acquired, Time arrived) {
+  if (acquired >= arrived) return {};
+  const bool whole = acquired.time_since_epoch() % std::chrono::seconds(1) == Time::duration::zero();
+  if (whole && arrived - acquired < std::chrono::seconds(1))
+    return fmt::format(
+        "the image says only that it was acquired in the second of {}, in which the needle arrived as well: "
+        "take "
+        "another one",
+        clock_text(acquired));
+  return fmt::format(
+      "the image was acquired at {}, {:.1f} s before the needle arrived at {}: take another one; if it was "
+      "begun "
+      "later, the scanner's clock is behind this machine's",
+      clock_text(acquired), std::chrono::duration<double>(arrived - acquired).count(), clock_text(arrived));
+}
+
 std::string objection_to_time(const imaging::IncomingSeries& image, const ExpectedImage& expected) {
-  if (image.written < expected.arrived - kClockTolerance)
+  if (image.written < expected.arrived)
     return fmt::format("the image was written at {}, before the needle arrived at {}",
                        clock_text(image.written), clock_text(expected.arrived));
   if (!image.acquired)
@@ -76,9 +93,8 @@ std::string objection_to_time(const imaging::IncomingSeries& image, const Expect
   if (expected.last_acquired && *image.acquired <= *expected.last_acquired)
     return fmt::format("the image was acquired at {}, not after the confirmation before it at {}",
                        clock_text(*image.acquired), clock_text(*expected.last_acquired));
-  if (*image.acquired < expected.arrived - kClockTolerance)
-    return fmt::format("the image was acquired at {}, before the needle arrived at {}",
-                       clock_text(*image.acquired), clock_text(expected.arrived));
+  if (const std::string early = objection_to_early(*image.acquired, expected.arrived); !early.empty())
+    return early;
   if (*image.acquired > expected.now + kClockTolerance)
     return fmt::format(
         "the image says that it was acquired at {}, and it is {}: the scanner's clock is wrong",

@@ -19,8 +19,8 @@ struct ExpectedImage {
   std::string confirmed_by;  // a person who answers for images that do not name their patient; empty: nobody
 };
 
-// The scanner's clock may differ from this machine's by this much. An image that was begun earlier than that
-// before the needle arrived shows the needle at an earlier place.
+// The scanner's clock may be ahead of this machine's by this much. Nothing is allowed in the other direction:
+// an image that was begun before the needle arrived shows it at an earlier place.
 inline constexpr std::chrono::seconds kClockTolerance{2};
 
 // One sentence, or nothing where there is no objection: another patient or frame of reference, the planning

@@ -131,6 +131,7 @@ Json interface_json(const RunRecord& record) {
                            })},
       {"lost_ticks", record.lost_ticks},
       {"longest_gap_ms", number(record.longest_gap_ms)},
+      {"ticks_left_out", record.ticks_left_out},
       {"unasked_holds", record.unasked_holds},
       {"simulated_s", number(record.simulated_s)},
       {"wall_s", number(record.wall_s)},

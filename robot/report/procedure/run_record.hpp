@@ -36,7 +36,8 @@ struct Sample {
   Mode mode = Mode::Boot;
   StopCategory stop = StopCategory::None;
   std::uint8_t step = 0;
-  bool locked = false;  // by the brake
+  bool locked = false;   // by the brake
+  bool measured = true;  // depth_mm: both lasers had their targets and agreed
   GateVerdict verdict = GateVerdict::Refused;
 };
 
@@ -122,6 +123,7 @@ struct RunRecord {
   std::vector<Trip> trips;
   double final_depth_mm = kUnknown;  // laser, at the end of the last step
   double left_depth_mm = kUnknown;   // laser, at the end of the run at 0 V: what friction left
+  bool left_unmeasured = false;      // at 0 V, but the lasers did not tell where
   double true_depth_max_mm = kUnknown,
          true_final_depth_mm = kUnknown;  // tip: deepest, at the end; simulation only
   std::vector<FaultResult> faults;
@@ -129,9 +131,10 @@ struct RunRecord {
   std::string layer_at_tip;  // where the needle was last driven, once a step was reached
   double rmse_settled_mm = kUnknown, rmse_all_mm = kUnknown, overshoot_mm = kUnknown, peak_kV = kUnknown;
   // How the run kept time. In lockstep all is zero.
-  std::uint64_t lost_ticks = 0;     // of the stage, that were not received
-  double longest_gap_ms = 0;        // on its clock, between two that were
-  std::uint32_t unasked_holds = 0;  // not at a step's end, the button held
+  std::uint64_t lost_ticks = 0;      // of the stage, that were not received
+  double longest_gap_ms = 0;         // on its clock, between two that were
+  std::uint64_t ticks_left_out = 0;  // received, and without a sample: memory is bounded
+  std::uint32_t unasked_holds = 0;   // not at a step's end, the button held
   double simulated_s = kUnknown;
   double wall_s = kUnknown;  // the only field that differs between two runs of one seed
   std::uint64_t seed = 0;

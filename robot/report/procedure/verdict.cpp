@@ -6,6 +6,7 @@
 
 #include "robot/common/text/number_text.hpp"
 #include "robot/common/text/text_layout.hpp"
+#include "safety/types/thresholds.hpp"
 
 namespace biopsy::report {
 namespace {
@@ -39,23 +40,50 @@ std::string needle_and_image(const RunRecord& record) {
 // At 0 V only weight withdraws the needle; what friction holds, a person withdraws.
 std::string needle_left(const RunRecord& record) {
   constexpr double kReturned_mm = 0.1;
+  if (record.left_unmeasured)
+    return " It is not known where the needle is at 0 V, since it is not measured: look at it before "
+           "anything else.";
   if (!(record.left_depth_mm > kReturned_mm)) return {};
   return " At 0 V friction holds the needle " + fixed(record.left_depth_mm, 2, "mm") +
          " deep: draw the stage back along its guide by hand before anything else.";
 }
 
+// A longer step of the stage's clock is a jump to the supervisor.
+constexpr double kLongGap_ms = safety::kClockStepMax_us * 1e-3;
+
 // A run in real time of which a share is not known says so.
 std::string time_kept(const RunRecord& record) {
   std::string text;
+  const std::uint64_t ticks = record.lost_ticks + record.samples.size() + record.ticks_left_out;
   if (record.lost_ticks > 0)
     text += fmt::format(" {} of {} ticks were not received ({:.1f} %), the longest gap is {:.0f} ms.",
-                        record.lost_ticks, record.lost_ticks + record.samples.size(),
-                        100.0 * static_cast<double>(record.lost_ticks) /
-                            static_cast<double>(record.lost_ticks + record.samples.size()),
+                        record.lost_ticks, ticks,
+                        100.0 * static_cast<double>(record.lost_ticks) / static_cast<double>(ticks),
                         record.longest_gap_ms);
+  else if (record.longest_gap_ms > kLongGap_ms)
+    text += fmt::format(" The longest gap between two ticks is {:.0f} ms; {:.0f} ms are allowed.",
+                        record.longest_gap_ms, kLongGap_ms);
+  if (record.ticks_left_out > 0)
+    text += fmt::format(
+        " Depths, drive and curves are those of the first {:.0f} min: the last {:.0f} s were not kept; stops "
+        "and "
+        "lost ticks were counted to the end.",
+        record.samples.back().time_ms / 60e3, static_cast<double>(record.ticks_left_out) * 1e-3);
   if (record.unasked_holds > 0)
     text += fmt::format(" Held {} without being asked.", counted(record.unasked_holds, "time"));
   return text;
+}
+
+// A rehearsal of a stage without a brake goes on after such an image; nobody may with a patient.
+std::string disturbed_images(const RunRecord& record) {
+  std::size_t images = 0, disturbed = 0;
+  for (const StepResult& result : record.steps)
+    if (result.check) ++images, disturbed += result.hv_switching_during_image ? 1 : 0;
+  if (disturbed == 0) return {};
+  return fmt::format(
+      " The drive switched, or the needle slipped, in {} of {}: with a patient such an image confirms no "
+      "depth.",
+      disturbed, counted(images, "image"));
 }
 
 // What the robot was shown was not what was there.
@@ -85,14 +113,14 @@ std::string verdict_sentence(const RunRecord& record) {
     return planned_only(*record.plan);
   switch (record.outcome) {
     case Outcome::Completed:
-      return "Completed: " + needle_and_image(record) + "." + needle_left(record) + time_kept(record) +
-             faults_put_in(record);
+      return "Completed: " + needle_and_image(record) + "." + needle_left(record) + disturbed_images(record) +
+             time_kept(record) + faults_put_in(record);
     case Outcome::Refused:
       return "Refused: " + with_remedy(record, "no reason was given");
     case Outcome::Stopped:
       return "Stopped: " + with_remedy(record, "no reason was given") +
-             " At the end: " + needle_and_image(record) + "." + needle_left(record) + time_kept(record) +
-             faults_put_in(record);
+             " At the end: " + needle_and_image(record) + "." + needle_left(record) +
+             disturbed_images(record) + time_kept(record) + faults_put_in(record);
   }
   return "";
 }

@@ -39,7 +39,7 @@ void check_tests(const SafetyCase& safety_case, const std::vector<Finding>& find
   for (const Requirement& requirement : safety_case.requirements) known.insert(requirement.id);
   for (const Finding& finding : findings)
     for (const TestResult& test : finding.tests) {
-      if (!test.passed) gaps.push_back({test.name, "failed"});
+      if (!test.passed) gaps.push_back({test.name, "failed or was not judged"});
       for (const std::string& id : test.verifies)
         if (!known.contains(id))
           gaps.push_back({test.name, fmt::format("names {}, which is no requirement", id)});

@@ -88,11 +88,12 @@ TEST_F(SharedIoFile, CarryWhatEachOwnerWrites) {
   EXPECT_EQ(reader.converter(), (ConverterOutput{-2'400'000, true}));
   EXPECT_EQ(reader.stage_pulses(), 1U);
   EXPECT_EQ(reader.supervisor_pulses(), 3U);
-  for (int levels = 0; levels < 64; ++levels) {
+  for (int levels = 0; levels < 128; ++levels) {
     const auto level = [levels](int wire) { return (levels >> wire & 1) != 0; };
-    const PanelLevels set{level(0), level(1), level(2), level(3), level(4), level(5)};
+    PanelLevels set{level(0), level(1), level(2), level(3), level(4), level(5), level(6)};
     panel.set(set);
     stage.mark_panel_read(kNow_ns);
+    set.relay_closed = set.relay_closed && set.relay_wired;  // there is no process
     EXPECT_EQ(reader.panel(kNow_ns).levels, set);
   }
   interlock.write({-2'400'000, true}, 1'000);
@@ -163,19 +164,38 @@ TEST_F(SharedIoFile, APanelThatTheDriverHasNotReadForTwentyMillisecondsIsUnread)
   }
 }
 
-TEST_F(SharedIoFile, TheRelaysContactIsThatOfTheWireOrOfItsProcessWhileThatLives) {
-  const IoReader reader(folder_.path());
-  StageIo stage(folder_.path());
-  InterlockIo interlock(folder_.path());
-  PanelIo panel(folder_.path());
-  stage.mark_panel_read(kNow_ns);
-  EXPECT_FALSE(reader.panel(kNow_ns).levels.relay_closed);
+struct RelaysContact : SharedIoFile {
+  const IoReader reader{folder_.path()};
+  StageIo stage{folder_.path()};
+  InterlockIo interlock{folder_.path()};
+  PanelIo panel{folder_.path()};
+
+  bool closed(std::int64_t now_ns) {
+    stage.mark_panel_read(now_ns);
+    return reader.panel(now_ns).levels.relay_closed;
+  }
+};
+
+TEST_F(RelaysContact, IsThatOfItsProcessWhileThatLives) {
+  EXPECT_FALSE(closed(kNow_ns));
   interlock.write({0, true}, kNow_ns);
-  EXPECT_TRUE(reader.panel(kNow_ns).levels.relay_closed);
-  stage.mark_panel_read(kNow_ns + 20'000'000);
-  EXPECT_FALSE(reader.panel(kNow_ns + 20'000'000).levels.relay_closed) << "its process stands still";
-  panel.set({.relay_closed = true});
-  EXPECT_TRUE(reader.panel(kNow_ns + 20'000'000).levels.relay_closed);
+  EXPECT_TRUE(closed(kNow_ns));
+  EXPECT_FALSE(closed(kNow_ns + 20'000'000)) << "its process stands still";
+  panel.set({.relay_closed = true, .relay_wired = true});
+  EXPECT_TRUE(closed(kNow_ns + 20'000'000));
+}
+
+// Reported: the process that stands for a relay also runs beside a device that has one, and hid that it was
+// open.
+TEST_F(RelaysContact, IsThatOfTheWireAloneWhereThereIsOne) {
+  for (const bool process : {true, false})
+    for (const bool contact : {true, false}) {
+      interlock.write({0, process}, kNow_ns);
+      panel.set({.relay_closed = contact, .relay_wired = true});
+      EXPECT_EQ(closed(kNow_ns), contact);
+      panel.set({.relay_closed = contact, .relay_wired = false});
+      EXPECT_EQ(closed(kNow_ns), process) << "there is no such contact";
+    }
 }
 
 TEST_F(SharedIoFile, AreDrivenByOneProcessEach) {

@@ -37,6 +37,25 @@ test('without measurement nothing is said of where the needle is', async ({ page
   await expect(page.locator('[data-name=tip-now]').first()).toHaveText('It is not known where the needle is.')
 })
 
+test('where the lasers do not tell, the page says that it is not known where the needle is', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  await showScene(operator, { name: 'trip', state: { ...kTrip, depth: 0, depth_known: false } }, kNone)
+  await expect(page.locator('[data-name=tip-now]').first()).toHaveText('It is not known where the needle is.')
+  await expect(page.locator('b[data-name=Depth]')).toHaveText('not known')
+  await expect(page.locator('[data-name=tip]')).toHaveCount(0)
+})
+
+test('the emergency stop is shown in every state while it is there', async ({ page }) => {
+  const operator = new PageOperator(page, robot.url)
+  await operator.planned()
+  for (const { state } of kScenes)
+    for (const estop of [true, false]) {
+      await showScene(operator, { name: 'estop', state: { ...state, estop } }, kNone)
+      await expect(page.locator('[data-name=estop]')).toHaveCount(estop ? 1 : 0)
+    }
+})
+
 test('a page that only watches says where Reset is pressed', async ({ page }) => {
   const operator = new PageOperator(page, robot.url)
   await operator.planned()

@@ -261,6 +261,33 @@ TEST(StepRunner, AReadingFarOffBeginsTheDwellAnew) {
   EXPECT_EQ(ticks_until_reached(bench, 2.0, 1), 100);
 }
 
+// Edges of what counts as noise and as standing still, from their definitions: 0.21 mm and 15 um.
+TEST(StepRunner, AReadingWithinItsNoiseDoesNotBeginTheDwellAnewAndOneBesideDoes) {
+  for (const double sign : {1.0, -1.0})
+    for (const auto& [off_mm, later] : {std::pair{0.209, 9}, {0.212, 100}}) {
+      Bench bench = standing_at_step_one();
+      for (int k = 0; k < 90; ++k) ASSERT_FALSE(bench.tick(2.0, raising(), 1).step_reached);
+      bench.tick(2.0 + sign * off_mm, raising(), 1);
+      EXPECT_EQ(ticks_until_reached(bench, 2.0, 1), later) << sign * off_mm;
+    }
+}
+
+TEST(StepRunner, AMeanThatMovesByMoreThanFifteenMicrometresBeginsTheDwellAnew) {
+  for (const double sign : {1.0, -1.0}) {
+    const auto ticks_at = [&](double off_mm) {
+      Bench bench = standing_at_step_one();
+      bench.plan = plan_of({step(2.0, 2.0, 0.1), step(2.0, 2.0, 1.0)});
+      bench.state.settled_at = bench.state.mean_error = Millimetres(0.0);
+      return ticks_until_reached(bench, 2.0 + sign * off_mm, 1);
+    };
+    EXPECT_EQ(ticks_at(0.014), 1'000);
+    // A mean over 64 ticks comes by 15 of 17 um in 64 ln(17 / 2) = 137.
+    EXPECT_NEAR(ticks_at(0.017), 1'137, 5);
+    EXPECT_LT(ticks_at(0.049), 1'500);
+    EXPECT_EQ(ticks_at(0.052), 5'000) << "never";
+  }
+}
+
 TEST(StepRunner, IsNotReachedByANeedleThatCreepsOutOfTheBand) {
   Bench bench;
   bench.plan = plan_of({step(2.0, 2.0, 0.1), step(2.0, 2.0, 2.0)});
@@ -277,6 +304,30 @@ TEST(StepRunner, HoldLetsANeedleBackThatStandsALittleBeyondItsStepForLong) {
   EXPECT_EQ(bench.amplitude_mV(), 4'000'000) << "one reading may be noise";
   for (int k = 0; k < 300; ++k) bench.tick(2.1, holding());
   EXPECT_LT(bench.amplitude_mV(), 4'000'000);
+}
+
+// 0.06 mm: kSettled, and what the mean leaves of the noise.
+TEST(StepRunner, HoldLetsANeedleBackWhoseMeanIsSixHundredthsBeyondItsStep) {
+  for (const auto& [off_mm, is_let_back] : {std::pair{0.059, false}, {0.061, true}}) {
+    Bench bench;
+    for (int k = 0; k < 1'200; ++k) bench.tick(2.0, raising());
+    bench.state.loop.amplitude = Volts(4'000.0);
+    bench.state.mean_error = Millimetres(-off_mm);
+    for (int k = 0; k < 50; ++k) bench.tick(2.0 + off_mm, holding());
+    EXPECT_EQ(bench.amplitude_mV() < 4'000'000, is_let_back) << off_mm;
+  }
+}
+
+TEST(StepRunner, IsAtRestBeforeItsFirstTickAndAsksForNothing) {
+  const RunnerState state;
+  EXPECT_EQ(state.settled_ticks, 0U);
+  EXPECT_EQ(state.seq, 0U);
+  EXPECT_EQ(state.drive_ticks, 0U);
+  EXPECT_EQ(state.step, 0U);
+  EXPECT_FALSE(state.raising || state.reached);
+  const Task task;
+  EXPECT_EQ(task.step, 0U);
+  EXPECT_FALSE(task.hold_still || task.finish);
 }
 
 TEST(StepRunner, ReachedStaysReachedWhenTheVoltageIsOff) {

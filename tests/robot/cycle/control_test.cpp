@@ -60,6 +60,7 @@ TEST(Control, StampsItsPlanConfigurationOverrunsAndMeasurement) {
   in.finish = true;
   const DriveRequest request = control(in, memory);
   EXPECT_EQ(request.plan_tag, planner::plan_tag(plan));
+  EXPECT_EQ(request.plan_seal, plan.seal);
   EXPECT_EQ(request.config_tag, 5U);
   EXPECT_EQ(request.overruns, 3U);
   EXPECT_EQ(request.measured_seq, 41U);

@@ -9,7 +9,7 @@ namespace {
 
 // Numbers all different, each flag alone: a field that is read from its neighbour shows.
 TEST(DecisionMessage, CarriesEachFieldOfTheSupervisorsOutputThereAndBack) {
-  for (int flag = 0; flag < 3; ++flag) {
+  for (int flag = 0; flag < 4; ++flag) {
     safety::SupervisorOutput output;
     output.permit.seq = 3, output.permit.session = 4, output.permit.epoch = 5, output.permit.challenge = 9;
     output.permit.mode = Mode::Hold, output.permit.stop = StopCategory::C2Hold;
@@ -34,8 +34,12 @@ TEST(DecisionMessage, CarriesEachFieldOfTheSupervisorsOutputThereAndBack) {
                             .step_done = flag == 0,
                             .image_allowed = flag == 1,
                             .image_disturbed = flag == 2,
-                            .panel_unread_ms = 9};
-    const Decision message = decision_message({.evidence = {}, .output = output, .panel_unread_ms = 9}, 7, 8);
+                            .panel_unread_ms = 9,
+                            .estop = flag == 3};
+    safety::Evidence evidence;
+    evidence.clear = flag == 3 ? 0 : safety::bit(safety::Hazard::EStop);  // a worse hazard is named
+    const Decision message =
+        decision_message({.evidence = evidence, .output = output, .panel_unread_ms = 9}, 7, 8);
     EXPECT_EQ(message, expected);
     Permit permit;  // of an earlier tick, but for what the message says
     permit.v_max_mV = 1'234, permit.challenge = 10;
@@ -43,7 +47,7 @@ TEST(DecisionMessage, CarriesEachFieldOfTheSupervisorsOutputThereAndBack) {
     permit.seq = 3, permit.session = 4, permit.epoch = 5;
     permit.mode = Mode::Hold, permit.stop = StopCategory::C2Hold;
     EXPECT_EQ(back.permit, permit);
-    EXPECT_EQ(decision_message({.evidence = {}, .output = back, .panel_unread_ms = 9}, 7, 8), expected);
+    EXPECT_EQ(decision_message({.evidence = evidence, .output = back, .panel_unread_ms = 9}, 7, 8), expected);
   }
 }
 

@@ -12,6 +12,7 @@
 #include "robot/cycle/supervise.hpp"
 #include "safety/challenge.hpp"
 #include "safety/types/transitions.hpp"
+#include "tests/robot/cycle/small_plan.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -23,20 +24,8 @@ constexpr std::int32_t kDrive_mV = 3'000'000, kHalfPeriod_ticks = 250, kDepth_um
 constexpr int kSettled_ticks = 1'200, kMost_ticks = 4'000;
 
 Plan one_step() {
-  Plan plan;
-  plan.target_depth = Millimetres(3.0);
-  plan.limits = {.depth_max = Millimetres(4.0),
-                 .v_max = Volts(5000),
-                 .plausible = {{Volts(0), Millimetres(-0.5), Millimetres(3.5)},
-                               {Volts(8000), Millimetres(2.0), Millimetres(6.0)}}};
-  plan.steps.push_back({.depth = Millimetres(3.0),
-                        .speed = MillimetresPerSecond(1.0),
-                        .v_max = Volts(5000),
-                        .dwell = Seconds(0.5),
-                        .image_confirms = true,
-                        .why = ""});
-  planner::seal(plan);
-  return plan;
+  return small_plan({3.0}, {{Volts(0), Millimetres(-0.5), Millimetres(3.5)},
+                            {Volts(8000), Millimetres(2.0), Millimetres(6.0)}});
 }
 
 // A healthy supervisor in a mode that the test holds, whatever it decides, so that a hazard can be watched.
@@ -60,7 +49,7 @@ struct Chain {
   void send(const Plan& plan) {
     const std::uint64_t tag = planner::plan_tag(plan);
     accept_plan({1, planner::canonical_bytes(plan), plan.seal, {tag, tag}}, memory);
-    sources.request.plan_tag = tag;
+    sources.request.plan_seal = plan.seal;
   }
   bool runs() const { return safety::hv_permitted(mode); }
 
@@ -132,7 +121,7 @@ const std::map<Hazard, Producer>& producers() {
       {Hazard::WrongAnswer, {[](Chain& c) { c.sources.measurement.answer ^= 1U; }}},
       {Hazard::SecondWriter, {[](Chain& c) { c.sources.writers = 2; }}},
       {Hazard::ControllerSilent, {[](Chain& c) { c.sources.request.seq = 1'000; }}},
-      {Hazard::PlanChanged, {[](Chain& c) { c.sources.request.plan_tag ^= 1U; }}},
+      {Hazard::PlanChanged, {[](Chain& c) { c.sources.request.plan_seal[31] ^= 1U; }}},
       {Hazard::ConfigChanged, {[](Chain& c) { c.sources.files_tag ^= 1U; }, Mode::Safe}},
       {Hazard::HardOverDepth, {[](Chain& c) { show_depth(c, 5'100); }}},
       {Hazard::FastDrop, {[](Chain& c) { show_depth(c, kDepth_um - 100 * since(c)); }}},

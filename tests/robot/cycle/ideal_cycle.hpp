@@ -8,27 +8,15 @@
 #include "planner/plan/seal.hpp"
 #include "robot/cycle/plan_facts.hpp"
 #include "robot/cycle/run_cycle.hpp"
+#include "tests/robot/cycle/small_plan.hpp"
 
 namespace biopsy::robot {
 
 inline constexpr std::uint64_t kConfigOfCycle = 77;
 
 inline Plan plan_of_two_steps(double first_mm = 2.0) {
-  Plan plan;
-  plan.target_depth = Millimetres(3.0);
-  plan.limits = {.depth_max = Millimetres(4.0),
-                 .v_max = Volts(5000),
-                 .plausible = {{Volts(0), Millimetres(-0.5), Millimetres(3.5)},
-                               {Volts(8000), Millimetres(-0.5), Millimetres(6.0)}}};
-  for (const double depth : {first_mm, 3.0})
-    plan.steps.push_back({.depth = Millimetres(depth),
-                          .speed = MillimetresPerSecond(1.0),
-                          .v_max = Volts(5000),
-                          .dwell = Seconds(0.5),
-                          .image_confirms = true,
-                          .why = ""});
-  planner::seal(plan);
-  return plan;
+  return small_plan({first_mm, 3.0}, {{Volts(0), Millimetres(-0.5), Millimetres(3.5)},
+                                      {Volts(8000), Millimetres(-0.5), Millimetres(6.0)}});
 }
 
 using Order = std::vector<std::string>;

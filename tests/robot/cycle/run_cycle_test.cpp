@@ -113,10 +113,11 @@ TEST_F(RunCycle, TheControllerGetsMeasurementAndDecisionOfTheTickAndTheGateItsAn
 
 // Whatever a controller says of itself: in lockstep it runs the plan and configuration of the cycle.
 TEST_F(RunCycle, RequestsCarryThePlanAndConfigurationOfTheCycle) {
-  asked.plan_tag = 1, asked.config_tag = 2;
+  asked.plan_tag = 1, asked.plan_seal = {3}, asked.config_tag = 2;
   for (int tick = 0; tick < 2; ++tick) {
     const CycleRecord record = run();
     EXPECT_EQ(record.request.plan_tag, planner::plan_tag(plan));
+    EXPECT_EQ(record.request.plan_seal, planner::seal_of(plan));
     EXPECT_EQ(record.request.config_tag, kConfigOfCycle);
     EXPECT_EQ(record.measurement.config_tag, kConfigOfCycle);
     EXPECT_EQ(watch.supervised.plan_tag, planner::plan_tag(plan)) << "in the first tick too";
@@ -158,6 +159,7 @@ TEST_F(RunCycle, TheKeysAreReadInEveryTick) {
 
 TEST_F(RunCycle, TheVerdictOnAnImageIsOfThisPlan) {
   OperatorInputs inputs = OperatorInputs::idle();
+  for (int tick = 0; tick < 6; ++tick) run(inputs);
   inputs.depth_accepted = true, inputs.accepted_step = 1;
   inputs.accepted_session = 5, inputs.accepted_since_seq = 6;
   run(inputs);

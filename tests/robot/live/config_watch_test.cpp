@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
+#include <set>
 #include <thread>
+#include <vector>
 
 #include "robot/live/realtime/tick_clock.hpp"
 #include "tests/scratch_folder.hpp"
@@ -86,6 +89,44 @@ TEST_F(ConfigWatchBench, ReadsAgainByItself) {
     folder.write("model.toml", text);
     EXPECT_TRUE(within_ten_seconds([&] { return watch.files().at(now_us()) == tag(); })) << text;
   }
+}
+
+TEST(FilesTag, SaysWhenItsReadingBeganAndOnceThatItWasAskedFor) {
+  FilesTag files;
+  EXPECT_EQ(files.read_us(), 0) << "never";
+  files.set(77, 1'234'567);
+  EXPECT_EQ(files.read_us(), 1'234'567);
+  EXPECT_FALSE(files.take_request());
+  files.ask();
+  EXPECT_TRUE(files.take_request());
+  EXPECT_FALSE(files.take_request()) << "taken";
+}
+
+// A reading that was asked for began after it was asked for, and does not wait for the next of its own half
+// second: of twenty the tenth fastest, on whatever machine.
+TEST_F(ConfigWatchBench, ReadsWhereItIsAskedTo) {
+  const ConfigWatch watch(folder.path(), settings);
+  std::vector<std::int64_t> took_us;
+  for (int n = 0; n < 20; ++n) {
+    const std::int64_t asked_us = now_us();
+    watch.files().ask();
+    EXPECT_TRUE(within_ten_seconds([&] { return watch.files().read_us() >= asked_us; })) << n;
+    EXPECT_EQ(watch.files().at(now_us()), tag());
+    took_us.push_back(now_us() - asked_us);
+  }
+  std::ranges::sort(took_us);
+  EXPECT_LT(took_us[10], 250'000);
+}
+
+TEST_F(ConfigWatchBench, ReadsTwiceASecondWhereNobodyAsks) {
+  const ConfigWatch watch(folder.path(), settings);
+  const std::int64_t began_us = now_us();
+  std::set<std::int64_t> readings{watch.files().read_us()};
+  EXPECT_TRUE(within_ten_seconds([&] {
+    readings.insert(watch.files().read_us());
+    return readings.size() >= 4;
+  }));
+  EXPECT_GT(now_us() - began_us, 1'200'000) << "four readings in less than three half seconds";
 }
 
 // It would inherit the priority of the loop that starts it, and files make it wait.

@@ -2,6 +2,12 @@
 // stands in its place, in the stage's process and in the supervisor's.
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <thread>
+
+#include "planner/plan/seal.hpp"
+#include "robot/common/operator_name.hpp"
+#include "tests/robot/cli/command.hpp"
 #include "tests/robot/live/laboratory.hpp"
 #include "tests/robot/live/steady_host.hpp"
 #include "tests/safety/verifies.hpp"
@@ -37,6 +43,101 @@ TEST(HardwareLive, ACommissionedStageGetsReadyAndNothingMovesBeforeAHandTurnsThe
     EXPECT_EQ(seen.command_mV, 0);
     session.stop();
     return ready ? "" : "the robot never got ready: " + hazard;
+  });
+}
+
+// The robot's state while another program runs, which is here the second person. `meanwhile`: ten times a
+// second.
+Mode mode_during(robot::LiveSession& session, std::string& hazard, const std::function<void()>& person,
+                 int ticks, const std::function<void()>& meanwhile) {
+  std::atomic<bool> done{false};
+  std::jthread thread([&] { person(), done = true; });
+  Mode mode = Mode::Boot;
+  for (int n = 0; n < ticks || !done; ++n) {
+    const std::optional<robot::CycleSample> cycle = session.robot().tick(robot::OperatorInputs::idle());
+    if (n % 100 == 0) meanwhile();
+    if (!cycle) continue;
+    mode = cycle->record.supervisor.permit.mode;
+    hazard = robot::hazard_text(cycle->record.supervisor.worst, cycle->record.panel_unread_ms);
+  }
+  return mode;
+}
+
+// A console that was taken over sends a plan of its own with both confirmations: here one that says of its
+// target another depth than its points, then the planned one.
+TEST(HardwareLive, GetsReadyOnlyOnceASecondPersonConfirmedThePlanWithTheirOwnProgram) {
+  verifies("R-69");
+  const Lab lab;
+  lab.commission();
+  on_a_steady_host([&]() -> std::string {
+    const ScratchFolder run;
+    const robot::PreparedCase prepared = robot::prepare(robot::read_case("gap"), run.path());
+    const Plan& plan = std::get<Plan>(prepared.plan);
+    robot::LiveSession session(lab.options, "nidaqmx", lab.hardware, prepared, run.path());
+    session.wait_until_healthy();
+    cli_tests::Outcome outcome;
+    std::string hazard;
+    const auto send = [&](const Plan& sent) {
+      const std::uint64_t tag = planner::plan_tag(sent);
+      session.robot().send_plan(sent, {tag, tag});
+    };
+    std::function<void()> meanwhile = [] {};
+    const std::filesystem::path said = run.path() / "confirm.txt";
+    const auto confirm = [&](const Plan& sent, const std::string& typed, const std::string& name, int ticks) {
+      send(sent);
+      return mode_during(
+          session, hazard,
+          [&] {
+            outcome =
+                cli_tests::shell("(" + typed + ") | BIOPSY_OPERATOR='" + name + "' '" + cli_tests::program() +
+                                 "' confirm --json '" + run.path().string() + "' > '" + said.string() +
+                                 "' 2>&1; code=$?; cat '" + said.string() + "'; exit $code");
+          },
+          ticks, meanwhile);
+    };
+    const auto refuses = [&](const Plan& sent, const std::string& typed, const std::string& why,
+                             const std::string& name = "Dr. B") {
+      EXPECT_NE(confirm(sent, typed, name, 300), Mode::Ready) << why;
+      EXPECT_EQ(outcome.code, 1) << outcome.text;
+      EXPECT_NE(outcome.text.find(why), std::string::npos) << outcome.text;
+    };
+    const std::string seal = hex(plan.seal);
+    Plan deeper = plan;
+    deeper.target_depth = plan.target_depth + Millimetres(1.0);
+    deeper.steps.back().depth = deeper.target_depth;
+    deeper.limits.depth_max = deeper.target_depth + Millimetres(1.0);
+    planner::seal(deeper);
+    refuses(deeper, "echo " + hex(deeper.seal).substr(0, 8),
+            fmt::format("by its points the target is {:.2f} mm deep", plan.target_depth.value));
+    refuses(plan, "echo 00000000", "not the seal of this plan");
+    refuses(plan, "echo " + seal.substr(0, 7), "not the seal of this plan");
+    refuses(plan, "true", "nothing was typed");
+    refuses(plan, "echo " + seal, "another person", operator_name());
+    Plan slower = plan;
+    slower.steps.front().speed = MillimetresPerSecond(0.5 * plan.steps.front().speed.value);
+    planner::seal(slower);
+    const auto shown = [&] { return file_content(said).find("needle goes") != std::string::npos; };
+    std::filesystem::remove(said);
+    meanwhile = [&, sent = false]() mutable {
+      if (sent || !std::filesystem::exists(said) || !shown()) return;
+      send(slower), sent = true;
+    };
+    refuses(plan,
+            "timeout 60 sh -c \"until grep -qs 'needle goes' '" + said.string() +
+                "'; do sleep 0.1; done\"; sleep 2; echo " + seal,
+            "no longer confirms this plan");
+    meanwhile = [] {};
+    const Mode right = confirm(plan, "echo " + seal.substr(0, 8), "Dr. M\xC3\xBCller", 3'000);
+    if (outcome.code != 0) return std::string(kNotInTime) + ": " + outcome.text;
+    EXPECT_NE(outcome.text.find(fmt::format("needle goes   {:.2f} mm deep", plan.target_depth.value)),
+              std::string::npos)
+        << outcome.text;
+    const auto told = nlohmann::json::parse(outcome.text.substr(outcome.text.rfind("{\n")));
+    EXPECT_EQ(told,
+              (nlohmann::json{
+                  {"confirmed", true}, {"seal", seal}, {"operator", "Dr. M\xC3\xBCller"}, {"why", nullptr}}));
+    session.stop();
+    return right == Mode::Ready ? "" : "the robot never got ready: " + hazard;
   });
 }
 

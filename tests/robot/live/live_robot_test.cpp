@@ -283,7 +283,8 @@ TEST(LiveRobot, AnotherPlanInMotionTrips) {
     Plan other = gap_plan();
     other.target.patient_id = "SOMEBODY ELSE";
     planner::seal(other);
-    session.send_plan(other);
+    const std::uint64_t tag = planner::plan_tag(other);
+    session.robot().send_plan(other, {tag, tag});
     EXPECT_TRUE(reaches(session, robot::OperatorInputs::idle(), Mode::Trip, 2'000));
     return {};
   });

@@ -40,12 +40,13 @@ TEST(LiveTick, AllocatesNothingFromSensorToVoltage) {
                                      .plan = facts,
                                      .sealed_tag = tag,
                                      .confirmed_tag = {tag, tag},
+                                     .seal = plan.seal,
                                      .state = safety::started(1)};
   robot::ControllerMemory controller{.config_tag = 1};
   robot::load_plan(plan, controller);
   robot::SupervisorSources in;
   in.writers = 1;
-  in.files_tag = 1;
+  in.files_tag = 1, in.files_read_us = INT64_MAX;
   in.panel = {{.estop_a_closed = true, .estop_b_closed = true}, true};
   robot::assume_tested_panel(supervisor);
   in.act.message.stop = StopCategory::None;
@@ -82,6 +83,7 @@ TEST(LiveTick, AllocatesNothingFromSensorToVoltage) {
 struct Taken {
   std::uint64_t at_rest = 0, later = 0;
   bool moved = false;  // or the claim would be about a robot at rest
+  std::string stopped_by;
 };
 
 Taken taken_by_the_loops() {
@@ -99,11 +101,11 @@ Taken taken_by_the_loops() {
   live::StageLoop stage(bus, simulated, converter, 1);
   live::ControllerLoop controller(bus, 1);
   live::FilesTag files;
-  files.set(1, realtime::monotonic_ns() / 1000);
-  live::SupervisorLoop supervisor(bus, pulse, reader, files, 1, 1, safety::SelfTest::Passed);
+  live::SupervisorLoop supervisor(bus, pulse, reader, files, 1, 1, safety::SelfTest::Passed, false);
   transport::Writer<SealedPlan> plans(bus);
   transport::Writer<OperatorAct> acts(bus);
   transport::Writer<LogHealth> log(bus);
+  transport::Reader<Decision> decisions(bus);
   const std::uint64_t tag = planner::plan_tag(plan);
   plans.write({1, planner::canonical_bytes(plan), plan.seal, {tag, tag}});
   stage.heartbeat().note("a trouble that a person should read, longer than any short string");
@@ -121,9 +123,10 @@ Taken taken_by_the_loops() {
     digital_io::PanelLevels levels =
         person.levels({.arm_key = tick > 600, .estop_a_closed = true, .estop_b_closed = true}, {.session = 1},
                       tick * 1'000);
-    levels.relay_closed = closed;
+    levels.relay_closed = closed, levels.relay_wired = true;  // no process stands for the relay
     panel.set(levels);
     converter.mark_panel_read(realtime::monotonic_ns());
+    files.set(1, realtime::monotonic_ns() / 1000);
     const bool settled = tick > 200;  // a plan is opened at rest, and that takes memory
     const realtime::NewCount count;
     stage.tick(realtime::monotonic_ns() / 1000);
@@ -131,6 +134,9 @@ Taken taken_by_the_loops() {
     controller.turn(std::chrono::milliseconds(1));
     (settled ? taken.later : taken.at_rest) += count.so_far();
     taken.moved = taken.moved || supervisor.mode() == Mode::Active;
+    for (Decision decision; decisions.take(decision);)
+      if (decision.mode == Mode::Trip)
+        taken.stopped_by = safety::name_of(static_cast<safety::Hazard>(decision.reason));
   }
   return taken;
 }
@@ -140,7 +146,8 @@ TEST(LiveTick, OfTheLoopsTakesNoMemoryBesideTheBus) {
     const Taken taken = taken_by_the_loops();
     EXPECT_EQ(taken.later, 0U);
     EXPECT_GT(taken.at_rest, 0U) << "nothing is counted";
-    return taken.moved ? "" : std::string(live_tests::kNotInTime);
+    if (taken.moved) return {};
+    return taken.stopped_by.empty() ? std::string(live_tests::kNotInTime) : taken.stopped_by;
   });
 }
 

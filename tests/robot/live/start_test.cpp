@@ -18,7 +18,7 @@ Mode mode_after_start(SelfTest self) {
   digital_io::SupervisorIo lines(folder.path());
   const digital_io::IoReader panel(folder.path());
   const FilesTag files;
-  SupervisorLoop loop(bus, lines, panel, files, 1, 1, self);
+  SupervisorLoop loop(bus, lines, panel, files, 1, 1, self, false);
   for (int n = 0; n < 20; ++n) loop.turn();
   return loop.mode();
 }

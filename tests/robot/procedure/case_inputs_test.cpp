@@ -6,11 +6,13 @@
 #include <algorithm>
 
 #include "robot/common/config_error.hpp"
+#include "robot/cycle/plan_facts.hpp"
 #include "robot/procedure/case/prepared_case.hpp"
 #include "robot/procedure/procedure.hpp"
 #include "sim/scanner/dicom_series.hpp"
 #include "sim/scanner/phantom.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/source_dir.hpp"
 
 namespace biopsy::robot {
 namespace {
@@ -175,6 +177,33 @@ TEST_F(Points, OnAPathThroughSegmentsMeetTissuesByTheirNames) {
   for (std::size_t n = 0; n < 3; ++n) EXPECT_EQ(by_name.layers[n].name, phantom.names[n + 1]);
   given.label_names[13] = "spleen";  // the case's word counts
   EXPECT_EQ(prepare_run(given, out / "run", {}).layers.back().name, "spleen");
+}
+
+// Stages: the calibrated one with two to four times the hysteresis of its films.
+TEST(PreparedCase, APlanThatTheSupervisorWouldRefuseIsRefusedByThePlanner) {
+  const std::string model = file_content(source_dir() / "sim/models/calibrated.toml");
+  const std::string value = "loss_V = { value = 294.67883301974274";
+  const std::size_t at = model.find(value);
+  ASSERT_NE(at, std::string::npos);
+  int planned = 0, refused = 0;
+  for (int loss_V = 700; loss_V <= 1'040; loss_V += 20) {
+    const ScratchFolder folder;
+    std::string other = model;
+    other.replace(at, value.size(), fmt::format("loss_V = {{ value = {}", loss_V));
+    write_content(folder / "stage.toml", other);
+    Case given = case_with("");
+    given.rehearsal.model = folder / "stage.toml";
+    const PreparedCase prepared = prepare(given, folder / "out");
+    if (const Plan* plan = std::get_if<Plan>(&prepared.plan)) {
+      ++planned;
+      EXPECT_TRUE(safety::is_plausible(plan_facts(*plan, 1))) << loss_V << " V";
+      continue;
+    }
+    const PlanRefusal& why = std::get<PlanRefusal>(prepared.plan);
+    refused += why.what.find("H-20") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_GE(planned, 4);
+  EXPECT_GE(refused, 4);
 }
 
 }  // namespace

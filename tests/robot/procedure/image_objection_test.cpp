@@ -64,6 +64,37 @@ TEST(ImageObjection, NamesWhatIsWrong) {
   }
 }
 
+// No tolerance: a needle moves by millimetres in two seconds.
+TEST(ImageObjection, IsToAnAcquisitionThatBeganBeforeTheNeedleArrived) {
+  verifies("R-62");
+  const auto said = [](std::chrono::milliseconds arrived_after, std::chrono::milliseconds acquired_after) {
+    ExpectedImage needle = expected();
+    needle.arrived = kArrived + arrived_after;
+    imaging::IncomingSeries image = arriving();
+    image.acquired = kArrived + acquired_after;
+    return image_objection(image, needle);
+  };
+  EXPECT_EQ(said(0ms, 0ms), "");
+  EXPECT_EQ(said(0ms, 1ms), "");
+  EXPECT_EQ(said(400ms, 400ms), "");
+  EXPECT_EQ(said(400ms, 1'000ms), "");
+  EXPECT_NE(said(0ms, -1'900ms).find("1.9 s before the needle arrived"), std::string::npos)
+      << said(0ms, -1'900ms);
+  EXPECT_NE(said(0ms, -1'900ms).find("the scanner's clock is behind"), std::string::npos);
+  EXPECT_NE(said(400ms, 150ms).find("0.2 s before the needle arrived"), std::string::npos)
+      << said(400ms, 150ms);
+  EXPECT_NE(said(400ms, -1'000ms).find("1.4 s before"), std::string::npos)
+      << "a whole second, and a later one";
+  EXPECT_NE(said(400ms, 0ms).find("only that it was acquired in the second of"), std::string::npos)
+      << said(400ms, 0ms);
+}
+
+TEST(ImageObjection, IsToAFileThatWasWrittenBeforeTheNeedleArrived) {
+  imaging::IncomingSeries image = arriving();
+  image.written = kArrived - 1ms;
+  EXPECT_NE(image_objection(image, expected()).find("was written at"), std::string::npos);
+}
+
 TEST(ImageObjection, IsToTimeThatRunsBackwards) {
   ExpectedImage second = expected();
   second.last_acquired = kArrived + 20s;

@@ -19,7 +19,8 @@ class DelayedRobot {
       : steps_(steps), on_the_way_(delay, OperatorInputs::idle()) {}
 
   bool brake_fitted = false;
-  int arms_refused = 0;  // the next ones: a hazard was there in that very tick
+  int arms_refused = 0;                         // the next ones: a hazard was there in that very tick
+  safety::Hazard worst = safety::Hazard::None;  // named from here on
 
   CycleRecord tick(const OperatorInputs& inputs) {
     on_the_way_.push_back(inputs);
@@ -39,6 +40,7 @@ class DelayedRobot {
     if (now.finish && (mode_ == Mode::Active || mode_ == Mode::Hold)) mode_ = Mode::Ready;
     CycleRecord record;
     record.supervisor.permit.mode = mode_;
+    record.supervisor.worst = worst;
     record.supervisor.step = step_;
     record.supervisor.step_done = done_;
     record.measurement.brake_fitted = brake_fitted;
@@ -190,6 +192,40 @@ TEST(Operator, WithdrawsAfterARejectedImage) {
   EXPECT_FALSE(procedure.completed);
   EXPECT_EQ(procedure.images.at(0), 1);
   EXPECT_EQ(procedure.stopped_because, "a reason");
+}
+
+// What the supervisor names in a tick of the hold: while the image is taken, and between its verdict and the
+// next press.
+TEST(Operator, AcceptsNoDepthOfAPatientWhoMovesWhileTheNeedleIsHeld) {
+  enum class When : std::uint8_t { Image, Verdict, Never };
+  for (const std::uint32_t steps : {1U, 2U})
+    for (const bool image_confirms : {true, false})
+      for (const When when : {When::Image, When::Verdict, When::Never}) {
+        if (!image_confirms && when == When::Image) continue;  // there is none
+        Plan plan;
+        plan.steps.resize(steps);
+        for (InsertionStep& step : plan.steps) step.image_confirms = image_confirms;
+        Operator script(plan, kFastScan);
+        DelayedRobot robot(steps, 7);
+        CycleRecord seen;
+        bool judged = false;
+        for (std::int64_t number = 0; number < 50'000 && !script.done(); ++number) {
+          const OperatorInputs inputs = script.act(seen, number);
+          const bool held = seen.supervisor.permit.mode == Mode::Hold;
+          judged = judged || (held && !image_confirms);
+          const bool now =
+              (when == When::Image && inputs.acquiring) || (when == When::Verdict && judged && held);
+          robot.worst = now ? safety::Hazard::PatientMotion : safety::Hazard::None;
+          if (script.wants_verdict()) script.judge(DepthVerdict::Accept, ""), judged = true;
+          seen = robot.tick(inputs);
+          script.observe(seen);
+        }
+        ASSERT_TRUE(script.done());
+        const bool moved = when != When::Never && (image_confirms || steps > 1);
+        EXPECT_EQ(script.completed(), !moved) << steps << ' ' << image_confirms << ' ' << int(when);
+        EXPECT_EQ(script.stopped_because().find("the patient moved by more than 2 mm") == 0, moved)
+            << script.stopped_because();
+      }
 }
 
 // Found in real time: a hazard ramped the needle down within a scan, and the image of where it lay then was

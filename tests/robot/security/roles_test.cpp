@@ -10,6 +10,7 @@
 #include "robot/msg/topics.hpp"
 #include "robot/security/grants.hpp"
 #include "robot/security/key_files.hpp"
+#include "tests/safety/verifies.hpp"
 
 namespace biopsy::security {
 namespace {
@@ -38,9 +39,18 @@ TEST(Roles, EveryCommandHasExactlyOneWriter) {
   EXPECT_EQ(writers_of(kTopic<Measurement>), std::vector{Role::Stage});
 }
 
+TEST(Roles, TheConsoleCannotGiveASecondPersonsConfirmation) {
+  verifies("R-69");
+  EXPECT_EQ(writers_of(kTopic<PlanConfirmation>), (std::vector{Role::Planner, Role::Confirmer}));
+  for (const Topic& topic : kTopics)
+    EXPECT_EQ(topic.writers.contains(Role::Confirmer), topic.name == kTopic<PlanConfirmation>.name)
+        << topic.name;
+}
+
 TEST(Roles, AnObserverWritesNothingAndEveryTopicHasAWriter) {
   for (const Topic& topic : kTopics) {
     EXPECT_FALSE(topic.writers.contains(Role::Observer)) << topic.name;
+    EXPECT_FALSE(topic.writers.contains(Role::Mcap)) << topic.name;
     EXPECT_FALSE(writers_of(topic).empty()) << topic.name;
   }
 }

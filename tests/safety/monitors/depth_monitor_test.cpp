@@ -182,7 +182,9 @@ TEST(DepthMonitor, FrozenCodeIsTheSameForTwentyTicksWhileTheDriveMovesByMoreThan
     bench.seen.measurement.command_mV = 1'000'000;
     bench.sample(500);
     bench.seen.measurement.command_mV = drive_mV;
-    const auto same_code = [&] { return update(bench.plan, bench.monitor, bench.seen, true, false).found; };
+    const auto same_code = [&] {
+      return update(bench.plan, bench.monitor, bench.seen, LinkFindings{.fresh = true}, false).found;
+    };
     for (int i = 0; i < 19; ++i) EXPECT_EQ(same_code() & bit(Hazard::SensorFrozen), 0U) << i;
     EXPECT_EQ(same_code() != 0, moved) << drive_mV;
     bench.seen.measurement.command_mV = 1'000'000;
@@ -247,7 +249,7 @@ TEST(DepthMonitor, PlausibilityIsLookedUpAnewWhenTheDriveOrThePlanChanges) {
 TEST(DepthMonitor, NeedleHomeIsAboveOneMillimetreAndMissedAfterHalfASecondAtZeroVolts) {
   verifies("R-02");
   const auto home = [](DepthBench& bench) {
-    return update(bench.plan, bench.monitor, bench.seen, false, true).needle_home;
+    return update(bench.plan, bench.monitor, bench.seen, LinkFindings{.fresh = false}, true).needle_home;
   };
   DepthBench bench(Mode::Safe);
   bench.zero_volts = true;
@@ -268,7 +270,9 @@ TEST(DepthMonitor, LaserDropoutIsThreeSamplesWithoutATargetAndTheNeedleIsNowhere
   DepthBench bench;
   bench.samples(20, 100);
   bench.seen.measurement.laser_valid = false;
-  const auto lost = [&] { return update(bench.plan, bench.monitor, bench.seen, true, false); };
+  const auto lost = [&] {
+    return update(bench.plan, bench.monitor, bench.seen, LinkFindings{.fresh = true}, false);
+  };
   EXPECT_EQ(lost().found, 0U);
   EXPECT_TRUE(lost().needle_home) << "where it was seen last";
   const DepthFindings third = lost();
@@ -287,8 +291,9 @@ TEST(DepthMonitor, LaserDropoutThatComesAndGoesInTwoOfThreeSamplesIsNamedAndInOn
     bool named = false;
     for (int i = 0; i < 60; ++i) {
       bench.seen.measurement.laser_valid = (i % 3 == 0) == often;
-      named = named || (update(bench.plan, bench.monitor, bench.seen, true, false).found &
-                        bit(Hazard::LaserDropout)) != 0;
+      named =
+          named || (update(bench.plan, bench.monitor, bench.seen, LinkFindings{.fresh = true}, false).found &
+                    bit(Hazard::LaserDropout)) != 0;
     }
     EXPECT_EQ(named, often);
   }
@@ -298,7 +303,8 @@ TEST(DepthMonitor, LaserDropoutOfTwoSamplesKeepsTheHistory) {
   DepthBench bench;
   bench.samples(20, 100);
   bench.seen.measurement.laser_valid = false;
-  for (int i = 0; i < 2; ++i) update(bench.plan, bench.monitor, bench.seen, true, false);
+  for (int i = 0; i < 2; ++i)
+    update(bench.plan, bench.monitor, bench.seen, LinkFindings{.fresh = true}, false);
   bench.seen.measurement.laser_valid = true;
   bench.sample(400);
   EXPECT_EQ(bench.monitor.history.advance_um(), 300);

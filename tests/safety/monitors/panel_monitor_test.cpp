@@ -112,6 +112,74 @@ TEST(PanelMonitor, APanelThatCannotBeReadCountsAsPressedAndIsNoTest) {
   EXPECT_EQ(bench.findings.found, bit(Hazard::PanelUntested));
 }
 
+// The arm key's contact is proven by the same press: a welded one passes no test.
+TEST(PanelMonitor, AnArmKeyThatIsTurnedLeavesThePanelUntested) {
+  verifies("R-66");
+  PanelBench bench;
+  bench.seen.local_arm = true, bench.test();
+  EXPECT_TRUE(bench.names(Hazard::PanelUntested));
+  bench.seen.local_arm = false, bench.test();
+  EXPECT_EQ(bench.findings.found, 0U);
+}
+
+TEST(PanelMonitor, AKeyThatStaysTurnedForTenSecondsWithoutVoltageIsStuckAndVoidsTheTest) {
+  verifies("R-66");
+  for (bool SupervisorInputs::*const key : {&SupervisorInputs::local_arm, &SupervisorInputs::local_reset}) {
+    PanelBench bench;
+    bench.test(), bench.tick();
+    bench.seen.*key = true, bench.tick(9'999);
+    EXPECT_EQ(bench.findings.found, 0U);
+    bench.seen.*key = false, bench.tick(), bench.seen.*key = true, bench.tick(9'999);
+    EXPECT_EQ(bench.findings.found, 0U) << "another turn";
+    bench.tick();
+    EXPECT_EQ(bench.findings.found, bit(Hazard::PanelUntested));
+    bench.seen.*key = false, bench.tick(1'000);
+    EXPECT_TRUE(bench.names(Hazard::PanelUntested))
+        << "a contact that lets go after all is not to be trusted";
+    bench.test();
+    EXPECT_EQ(bench.findings.found, 0U);
+  }
+}
+
+// A press that lasts while the key is stuck is no test of contacts that were not seen closed since.
+TEST(PanelMonitor, AStuckKeyVoidsAPressThatIsStillHeld) {
+  verifies("R-66");
+  PanelBench bench;
+  bench.test();
+  bench.contacts(false, false), bench.seen.local_arm = true, bench.tick(11'000);
+  bench.seen.local_arm = false, bench.tick();
+  bench.contacts(true, true), bench.tick(), bench.turn();
+  EXPECT_TRUE(bench.names(Hazard::PanelUntested));
+  bench.test();
+  EXPECT_EQ(bench.findings.found, 0U);
+}
+
+TEST(PanelMonitor, AKeyIsStuckAfterTenSecondsToTheMicrosecond) {
+  verifies("R-66");
+  for (const auto& [turned_us, is_stuck] : {std::pair{9'999'999, false}, {10'000'000, true}}) {
+    PanelBench bench;
+    bench.test();
+    bench.seen.local_arm = true, bench.seen.now_us += turned_us;
+    bench.findings = update(bench.monitor, bench.seen, true);
+    bench.findings = update(bench.monitor, bench.seen, true);
+    EXPECT_EQ(bench.names(Hazard::PanelUntested), is_stuck) << turned_us;
+  }
+}
+
+// Whoever leaves the key turned while the needle moves has ten seconds after it.
+TEST(PanelMonitor, AKeyThatStaysTurnedUnderVoltageVoidsNothing) {
+  verifies("R-66");
+  for (const Mode mode : {Mode::Armed, Mode::Active, Mode::Hold, Mode::Retract}) {
+    PanelBench bench;
+    bench.test();
+    bench.seen.permit.mode = mode, bench.seen.local_arm = true, bench.tick(60'000);
+    bench.seen.permit.mode = Mode::Ready, bench.tick(9'999);
+    EXPECT_EQ(bench.findings.found, 0U) << name_of(mode);
+    bench.tick();
+    EXPECT_EQ(bench.findings.found, bit(Hazard::PanelUntested)) << name_of(mode);
+  }
+}
+
 TEST(PanelMonitor, AKeyThatWasTurnedSinceTheStartResetsNothing) {
   verifies("R-66");
   PanelBench bench;
@@ -218,6 +286,38 @@ TEST(PanelFilter, TakesAContactForClosedAfterTwentyMillisecondsWithoutABreakAndF
   EXPECT_FALSE(is_closed(filter, false));
   for (int i = 0; i < 19; ++i) EXPECT_FALSE(is_closed(filter, true)) << i;
   EXPECT_TRUE(is_closed(filter, true));
+}
+
+TEST(PanelFilter, AKeyChangesAfterTwentyMillisecondsWithoutABreakEitherWay) {
+  verifies("R-66");
+  KeyFilter key;
+  for (int i = 0; i < 19; ++i) EXPECT_TRUE(is_turned(key, false, true)) << "turned until it was seen open";
+  EXPECT_FALSE(is_turned(key, false, true));
+  for (const bool contact : {true, false, true, true, false}) EXPECT_FALSE(is_turned(key, contact, true));
+  for (int i = 0; i < 19; ++i) EXPECT_FALSE(is_turned(key, true, true)) << i;
+  EXPECT_TRUE(is_turned(key, true, true));
+  for (int i = 0; i < 19; ++i) EXPECT_TRUE(is_turned(key, false, true)) << "at once: " << i;
+  EXPECT_FALSE(is_turned(key, false, true));
+  for (int i = 0; i < 19; ++i) EXPECT_FALSE(is_turned(key, true, true)) << "and back: " << i;
+  EXPECT_TRUE(is_turned(key, true, true));
+  for (const bool contact : {false, true, false, false, true}) EXPECT_TRUE(is_turned(key, contact, true));
+}
+
+// Reported: a key welded since the start armed at the first break of a millisecond, or when the panel was
+// read again.
+TEST(PanelFilter, AStuckKeyMakesNoTurnOfABreakNorOfAPanelThatIsReadAgain) {
+  verifies("R-66");
+  for (const int away_ms : {1, 5, 19})
+    for (const bool read : {true, false}) {
+      KeyFilter key;
+      for (int i = 0; i < 100; ++i) EXPECT_TRUE(is_turned(key, true, true));
+      for (int i = 0; i < away_ms; ++i) EXPECT_TRUE(is_turned(key, false, read));
+      for (int i = 0; i < 100; ++i) EXPECT_TRUE(is_turned(key, true, true));
+    }
+  KeyFilter open{.turned = false};
+  for (int i = 0; i < 100; ++i)
+    EXPECT_FALSE(is_turned(open, true, false)) << "what is not read is not turned";
+  for (int i = 0; i < 19; ++i) EXPECT_FALSE(is_turned(open, true, true));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // not hold longer.
 #include <gtest/gtest.h>
 
+#include "safety/monitors/clock_step.hpp"
 #include "tests/safety/monitor_bench.hpp"
 #include "tests/safety/situation.hpp"
 #include "tests/safety/verifies.hpp"

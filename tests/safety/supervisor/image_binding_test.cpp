@@ -35,6 +35,17 @@ TEST(ImageBinding, AnImageFromBeforeTheArrivalOrOfAnotherSessionOrOfNoneDoesNot)
   }
 }
 
+// Reported: a number far ahead would have served every step of the session.
+TEST(ImageBinding, AnImageOfTheFutureDoesNot) {
+  verifies("R-67");
+  EXPECT_EQ(StepsEnd(3, 70).event(), Event::Move) << "in this very tick";
+  for (const std::uint32_t since_seq : {71U, 1'000U, 0x7FFF'FFFFU, 0xFFFF'FFFFU}) {
+    StepsEnd end(3, since_seq);
+    EXPECT_EQ(end.event(), Event::None) << since_seq;
+    EXPECT_EQ(end.refusal(), Refusal::DepthNotAccepted) << since_seq;
+  }
+}
+
 TEST(ImageBinding, AStepThatWasNeverReachedAcceptsNoImage) {
   StepsEnd end(3, 65);
   end.state.arrived_seq = 0;

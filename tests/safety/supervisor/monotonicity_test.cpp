@@ -47,7 +47,7 @@ Situation random_input(Dice& dice, const SupervisorState& state) {
   input.depth_accepted = !dice.one_in(3);
   input.accepted_step = dice.one_in(8) ? dice.below(4) : state.step;
   input.accepted_session = state.session;
-  input.accepted_since_seq = dice.one_in(8) ? dice.below(200) : state.seq;
+  input.accepted_since_seq = dice.one_in(8) ? dice.below(state.seq + 1) : state.seq;
   input.evidence.interlock_opens = !dice.one_in(5);
   input.evidence.elapsed_ms = static_cast<std::int32_t>(dice.below(3));
   return input;
@@ -80,6 +80,7 @@ constexpr Worsening kWorsenings[] = {
     [](Situation& s, Dice&) { s.evidence.interlock_opens = false; },
     [](Situation& s, Dice&) { s.evidence.elapsed_ms += 2; },
     [](Situation& s, Dice&) { s.accepted_since_seq /= 2; },
+    [](Situation& s, Dice&) { s.accepted_since_seq = 0xFFFF'FFFFU; },
     [](Situation& s, Dice&) { ++s.accepted_session; },
 };
 constexpr unsigned kRelease = 10, kNoMotion = 11;

@@ -57,14 +57,16 @@ TEST(DepthMonitor, NeedleIsBackWithinATenthOfAMillimetreEitherWayAndSeen) {
     DepthBench bench;
     const auto back = [&](std::int32_t depth_um) {
       bench.samples(8, sign * depth_um);
-      return update(bench.plan, bench.monitor, bench.seen, true, bench.zero_volts).needle_back;
+      return update(bench.plan, bench.monitor, bench.seen, LinkFindings{.fresh = true}, bench.zero_volts)
+          .needle_back;
     };
     EXPECT_TRUE(back(100));
     EXPECT_FALSE(back(102));
     EXPECT_TRUE(back(0));
     bench.seen.measurement.laser_valid = false;
     bool blind = true;
-    for (int i = 0; i < 3; ++i) blind = update(bench.plan, bench.monitor, bench.seen, true, true).needle_back;
+    for (int i = 0; i < 3; ++i)
+      blind = update(bench.plan, bench.monitor, bench.seen, LinkFindings{.fresh = true}, true).needle_back;
     EXPECT_FALSE(blind);
   }
 }

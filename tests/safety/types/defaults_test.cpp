@@ -138,7 +138,7 @@ TEST(Defaults, OfTheDepthMonitorHaveSeenNoTargetAndNoNeedleAtHome) {
                        monitor.pop_ticks, monitor.implausible_ticks, monitor.not_back_ticks,
                        monitor.same_code_ticks, monitor.code, monitor.frozen_low_mV, monitor.frozen_high_mV,
                        monitor.advanced_um, monitor.idle_ticks, monitor.pull_V2, monitor.rest_pull_V2,
-                       monitor.locked_um, monitor.locked_ticks, monitor.slip_ticks, monitor.settling_ticks));
+                       monitor.locked_um, monitor.locked_ms, monitor.slip_ticks, monitor.settling_ticks));
   EXPECT_EQ(monitor.range_low_mV, -1) << "no drive: the range is looked up at the first";
   EXPECT_EQ(monitor.range_high_mV, -1);
   EXPECT_EQ(monitor.dropout_score, kDropoutTrip);
@@ -153,11 +153,14 @@ TEST(Defaults, OfTheAgreementMonitorHaveSeenNoSecondLaser) {
   EXPECT_EQ(monitor.dropout_score, kDropoutTrip);
 }
 
-TEST(Defaults, OfThePanelsFilterHaveEveryContactOpen) {
+TEST(Defaults, OfThePanelsFilterHaveEveryContactOpenAndEveryKeyTurned) {
   const PanelFilter filter;
-  for (const ContactFilter& contact :
-       {filter.arm, filter.reset, filter.estop_a, filter.estop_b, filter.bench})
+  for (const ContactFilter& contact : {filter.read, filter.estop_a, filter.estop_b, filter.bench})
     EXPECT_EQ(contact.closed_ticks, 0);
+  for (const KeyFilter& key : {filter.arm, filter.reset}) {
+    EXPECT_TRUE(key.turned);
+    EXPECT_EQ(key.other_ticks, 0);
+  }
 }
 
 TEST(Defaults, OfTheInterlockAndTheTissueMonitorAreEmpty) {

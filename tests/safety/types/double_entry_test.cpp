@@ -143,7 +143,7 @@ TEST(DoubleEntry, DepthsHaveTheLimitsOfTheSafetyConcept) {
       (Constants{kDropoutTrip, kAdvanced_um, kIdlePull_V2, kIdle_ticks, kLifted_um, kLiftPulls, kDiffer_um,
                  kDiffer_ticks, kDifferWeight, kDifferTrip, kLowered_mV, kSunk_um, kSunk_ticks,
                  kCreeping_ticks, kSettling_ticks, kStillNoise_um, kSlip_ticks}),
-      (Constants{6, 100, 24'000'000, 20, 1'000, 3, 300, 10, 4, 40, 200'000, 600, 20, 4'000, 250, 50, 20}));
+      (Constants{6, 100, 24'000'000, 20, 1'000, 3, 300, 10, 4, 40, 200'000, 600, 20, 4'000, 250, 25, 20}));
 }
 
 TEST(DoubleEntry, TheSupervisorsTimesAreThoseOfTheSafetyConcept) {

@@ -44,10 +44,10 @@ TEST(PlanFacts, RefuseAPlanWithoutStepsOrWithoutBands) {
 TEST(PlanFacts, PlansFillTheRoomForStepsAndBandsAndNoMore) {
   verifies("R-29");
   PlanFacts plan = three_step_plan();
-  plan.steps.fill(plan.steps[0]);
+  plan.steps.fill(plan.steps[1]);
   for (std::size_t i = 0; i < kMaxBands; ++i)
     plan.bands[i] = {static_cast<std::int32_t>(i) * 250'000, static_cast<std::int32_t>(i),
-                     static_cast<std::int32_t>(i) + 50};
+                     static_cast<std::int32_t>(i) * 100 + 50};
   plan.step_count = plan.band_count = 32;
   EXPECT_TRUE(is_plausible(plan));
   plan.step_count = 33;
@@ -72,7 +72,8 @@ TEST(PlanFacts, HalfPeriodOfABenchPlanIsItsOwnBetweenItsEdges) {
 TEST(PlanFacts, NumbersOfDepthAndResidualEndAtTheStroke) {
   verifies("R-29");
   const auto only_step = [](PlanFacts& plan, std::int32_t depth_um) {
-    plan.step_count = 1, plan.steps[0].depth_max_um = plan.depth_max_um = depth_um;
+    plan.step_count = 1, plan.steps[0].image_confirms = true,
+    plan.steps[0].depth_max_um = plan.depth_max_um = depth_um;
   };
   expect_edges(100, 12'000, only_step);
   expect_edges(1, 12'000, [](PlanFacts& plan, std::int32_t um) { plan.tissue_residual_max_um = um; });
@@ -124,6 +125,21 @@ TEST(PlanFacts, WithAPatientTheDepthLimitEndsHalfAMillimetreBeyondTheDeepestStep
   });
 }
 
+TEST(PlanFacts, WithAPatientTheLastStepIsConfirmedByAnImage) {
+  verifies("R-29");
+  for (const std::uint32_t count : {1U, 2U, 3U}) {
+    PlanFacts plan = three_step_plan();
+    plan.step_count = count;
+    plan.depth_max_um = plan.steps[count - 1].depth_max_um;
+    for (std::uint32_t i = 0; i < count; ++i) plan.steps[i].image_confirms = i + 1 == count;
+    EXPECT_TRUE(is_plausible(plan)) << count;
+    plan.steps[count - 1].image_confirms = false;
+    EXPECT_FALSE(is_plausible(plan)) << count;
+    plan.bench_half_period_ticks = 250;
+    EXPECT_TRUE(is_plausible(plan)) << "nobody lies on a bench";
+  }
+}
+
 TEST(PlanFacts, WithAPatientNoStepGoesBack) {
   verifies("R-29");
   expect_edges(3'600, 4'000, [](PlanFacts& plan, std::int32_t um) { plan.steps[1].depth_max_um = um; });
@@ -141,19 +157,43 @@ TEST(PlanFacts, WithAPatientTheFirstBandIsThatOfTheNeedleAtRest) {
               half_period_ticks != 0);
 }
 
-TEST(PlanFacts, WithAPatientTheBandIsNarrowAtRestAndNowhereWiderThanAStageCanBe) {
+// Edges from the bands of the two models here, 0 to 300 g: 4.5 mm at rest, 16.1 mm at 3 kV, 20.8 mm at 8 kV.
+TEST(PlanFacts, WithAPatientTheBandIsNarrowAtRestAndNowhereHigherThanAStageCanLift) {
   verifies("R-29");
   expect_edges(-1'000, 100, [](PlanFacts& plan, std::int32_t um) { plan.bands[0].low_um = um; });
-  expect_edges(-100, 2'300, [](PlanFacts& plan, std::int32_t um) { plan.bands[0].high_um = um; });
+  expect_edges(-100, 1'300, [](PlanFacts& plan, std::int32_t um) { plan.bands[0].high_um = um; });
   const auto at_rest_alone = [](PlanFacts& plan, std::int32_t um) {
     plan.bands[0].high_um = um;
     for (const std::size_t i : {1U, 2U}) plan.bands[i].low_um = plan.bands[i].high_um = 6'000;
   };
   expect_edges(-100, 5'000, at_rest_alone);
-  expect_edges(2'300, 23'000, [](PlanFacts& plan, std::int32_t um) {
-    plan.bands[1].low_um = 0, plan.bands[2].low_um = 2'000, plan.bands[2].high_um = um;
-    plan.bands[1].high_um = 2'300;
+  for (const auto& [drive_mV, highest_um] : {std::pair{1'000'000, 8'800},
+                                             {3'000'000, 16'400},
+                                             {4'200'000, 20'960},
+                                             {4'210'526, 20'999},
+                                             {4'300'000, 21'000},
+                                             {7'999'999, 21'000}})
+    expect_edges(2'300, highest_um, [drive_mV = drive_mV](PlanFacts& plan, std::int32_t um) {
+      plan.bands[1] = {drive_mV, 2'300, um}, plan.bands[2] = {8'000'000, 2'300, 21'000};
+    });
+  expect_edges(4'400, 21'000, [](PlanFacts& plan, std::int32_t um) {
+    plan.bands[2].low_um = 4'400, plan.bands[2].high_um = um;
   });
+}
+
+// Else no standing still under a rising drive would be a fault.
+TEST(PlanFacts, WithAPatientTheNeedleMayHaveLiftedByFourKilovolts) {
+  verifies("R-29");
+  const auto lifts_at = [](std::int32_t drive_mV) {
+    return is_plausible_with([=](PlanFacts& plan) { plan.bands[1] = {drive_mV, 0, 1'100}; });
+  };
+  EXPECT_TRUE(lifts_at(4'000'000));
+  EXPECT_FALSE(lifts_at(4'000'001));
+  const auto flat = [](PlanFacts& plan) {
+    for (PlausibleBand& band : plan.bands) band.low_um = -1'000, band.high_um = 5'000;
+  };
+  EXPECT_FALSE(is_plausible_with(flat));
+  EXPECT_TRUE(is_plausible_with([&](PlanFacts& plan) { flat(plan), plan.bench_half_period_ticks = 250; }));
 }
 
 TEST(PlanFacts, WithAPatientTheBandRisesWithTheDrive) {

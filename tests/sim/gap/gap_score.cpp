@@ -182,19 +182,19 @@ std::string Score::list() const {
   return out;
 }
 
-std::string score_table(const std::vector<std::pair<std::string, Score>>& methods) {
+std::vector<std::vector<std::string>> score_rows(const std::vector<std::pair<std::string, Score>>& methods) {
   const auto share = [](const Share& s) {
     return s.of ? fmt::format("{:.0f} % of {}", s.percent(), s.of) : "-";
   };
   using Row = std::pair<std::string, std::function<std::string(const Score&)>>;
   const std::vector<Row> rows{
       {"right name first, single effects (>= 95 %)", [&](const Score& s) { return share(s.right_first); }},
-      {"  ... or reported as tied with it", [&](const Score& s) { return share(s.right_or_tied); }},
-      {"  a further effect invented beside it", [&](const Score& s) { return share(s.invented); }},
+      {"... or reported as tied with it", [&](const Score& s) { return share(s.right_or_tied); }},
+      {"a further effect invented beside it", [&](const Score& s) { return share(s.invented); }},
       {"false alarm, nothing hidden (<= 5 %)", [&](const Score& s) { return share(s.false_alarm); }},
       {"wrong parameters recognised and named", [&](const Score& s) { return share(s.parameter_found); }},
       {"both names of pairs (>= 80 %)", [&](const Score& s) { return share(s.both_names); }},
-      {"  at least one of them", [&](const Score& s) { return share(s.one_name); }},
+      {"at least one of them", [&](const Score& s) { return share(s.one_name); }},
       {"unexplained, outside the library (>= 80 %)", [&](const Score& s) { return share(s.unexplained); }},
       {"confident wrong name there (<= 10 %)", [&](const Score& s) { return share(s.confident_wrong); }},
       {"an effect named that is not there, any case", [&](const Score& s) { return share(s.wrong_name); }},
@@ -204,15 +204,26 @@ std::string score_table(const std::vector<std::pair<std::string, Score>>& method
        }},
       {"truth inside the 95 % interval (85-99 %)", [&](const Score& s) { return share(s.inside_interval); }},
       {"median time of a case [s]", [](const Score& s) { return fmt::format("{:.1f}", median(s.seconds)); }}};
+  std::vector<std::vector<std::string>> out;
+  for (const auto& [label, cell] : rows) {
+    out.push_back({label});
+    for (const auto& [name, score] : methods) out.back().push_back(cell(score));
+    if (std::all_of(out.back().begin() + 1, out.back().end(), [](const auto& c) { return c == "-"; }))
+      out.pop_back();
+  }
+  return out;
+}
+
+std::string score_table(const std::vector<std::pair<std::string, Score>>& methods) {
   std::string out = fmt::format("| {:44} |", ""), rule = fmt::format("|{:-<46}|", "");
   for (const auto& [name, score] : methods) {
     out += fmt::format(" {:>14} |", name);
     rule += fmt::format("{:->15}:|", "");
   }
   out += "\n" + rule + "\n";
-  for (const auto& [label, cell] : rows) {
-    out += fmt::format("| {:44} |", label);
-    for (const auto& [name, score] : methods) out += fmt::format(" {:>14} |", cell(score));
+  for (const std::vector<std::string>& row : score_rows(methods)) {
+    out += fmt::format("| {:44} |", row.front());
+    for (std::size_t column = 1; column < row.size(); ++column) out += fmt::format(" {:>14} |", row[column]);
     out += "\n";
   }
   return out;

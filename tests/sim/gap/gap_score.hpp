@@ -58,7 +58,9 @@ class Score {
   std::vector<std::string> lines_;
 };
 
-// Rows: figures with their bars; columns: the methods. Markdown, as the documents have it.
+// Rows: figures with their bars; columns: the methods. Those that none of them has are left out.
+std::vector<std::vector<std::string>> score_rows(const std::vector<std::pair<std::string, Score>>& methods);
+// The same as a table in Markdown.
 std::string score_table(const std::vector<std::pair<std::string, Score>>& methods);
 
 }  // namespace biopsy::hidden

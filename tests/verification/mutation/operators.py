@@ -78,6 +78,19 @@ def of_integer(source):
         yield "constant", f"({source} + 1)" if other == value + 1 else f"({source} - 1)" if other else "0"
 
 
+def of_unit(source):
+    """A unit that was taken for another: ms for s, um for mm."""
+    yield "unit", f"({source} * 1000)"
+
+
+def of_floating(source):
+    if float(source.replace("'", "").rstrip("fFlL")) != 0.0:
+        yield "constant", f"({source} * 1.25)"
+        yield "constant", f"({source} * 0.8)"
+    else:
+        yield "constant", f"({source} + 1.0)"
+
+
 def of_enumerator(node, source, both_neighbours):
     names = [child.spelling for child in node.referenced.semantic_parent.get_children()
              if child.kind == K.ENUM_CONSTANT_DECL]

@@ -312,13 +312,15 @@ void hash_evidence(Hash& hash) {
     Course course(seed);
     TissueMonitor tissue;
     ContactFilter contact;
+    KeyFilter key;
     for (int i = 0; i < 25'000; ++i) {
       course.tick();
       const Evidence evidence = assess(course.plan(), course.memory(), course.seen());
       hash.add(evidence.clear, evidence.zero_volts, evidence.needle_home, evidence.needle_back,
                evidence.image_disturbed, evidence.locked, evidence.still, evidence.drive_mV,
                evidence.ceiling_mV, evidence.interlock_opens, evidence.estop_reset, evidence.elapsed_ms,
-               is_closed(contact, course.seen().estop_b_closed));
+               is_closed(contact, course.seen().estop_b_closed),
+               is_turned(key, course.seen().estop_a_closed, course.seen().panel_read));
       Measurement sane = course.seen().measurement;
       sane.command_mV %= 10'000'000, sane.depth_um %= 1'000'000;
       hash.add(tissue_residual_um(course.plan(), tissue, sane));

@@ -99,8 +99,11 @@ class Finder:
         if (source.name, node.extent.start.offset) in self.sizes:
             return
         for child in node.get_children():
-            if child.extent.start.offset > node.location.offset:
+            begins_behind = child.extent.start.offset > node.location.offset
+            if begins_behind:
                 self.note(child, source, function, table)
+            # What calls a constructor, as `milliseconds kEvery{500}`, begins at the name.
+            if begins_behind or child.kind == K.CALL_EXPR and child.extent.end.offset > node.location.offset:
                 self.walk(child, function, table)
 
     def note_keyword(self, node, source):
@@ -126,6 +129,10 @@ class Finder:
             source.change(children[0], operators.of_condition(children[0], source.of(children[0])))
         elif kind == K.INTEGER_LITERAL and text[:1].isdigit():
             source.change(node, operators.of_integer(text))
+            if self.neighbours and in_table and int(text.replace("'", "").rstrip("uUlL"), 0) > 1:
+                source.change(node, operators.of_unit(text))
+        elif kind == K.FLOATING_LITERAL and self.neighbours and text[:1].isdigit():
+            source.change(node, operators.of_floating(text))
         elif kind == K.CXX_BOOL_LITERAL_EXPR:
             source.change(node, operators.of_boolean(text))
         elif kind == K.DECL_REF_EXPR and node.referenced is not None:

@@ -53,7 +53,8 @@ export function LossScreen() {
       <p>{screen.text}</p>
       {last && everMeasured.value && (
         <p data-name="last-known">
-          Known last, now OLD: {last.mode.toUpperCase()}, needle at {mm(last.depth, 2)} mm, {mm(Math.abs(last.drive), 2)} kV.
+          Known last, now OLD: {last.mode.toUpperCase()}, needle at {last.depth_known ? `${mm(last.depth, 2)} mm` : 'an unknown depth'},{' '}
+          {mm(Math.abs(last.drive), 2)} kV.
         </p>
       )}
       <ol>

@@ -5,7 +5,7 @@ import { withToken } from './address'
 import type { Tick } from './generated/messages'
 import { mm, ras } from './viewer/geometry'
 import { send } from './link'
-import { disabledReason, isKnown, kBack_mm, opened, plan, planned, runOver, state, type Vec3 } from './robot'
+import { depthIsKnown, disabledReason, isKnown, kBack_mm, opened, plan, planned, runOver, state, type Vec3 } from './robot'
 import { lit, StopCard, tipText } from './stop_card'
 import { warningsOf } from './plan_warnings'
 
@@ -162,7 +162,7 @@ function Warnings() {
 
 // Armed with the needle not at its rest, the run would begin elsewhere than planned.
 function Residual() {
-  if (!isKnown.value || Math.abs(state.value!.depth) <= kBack_mm) return null
+  if (!depthIsKnown.value || Math.abs(state.value!.depth) <= kBack_mm) return null
   return <p data-name="residual">{tipText.value}</p>
 }
 
@@ -201,7 +201,7 @@ export function PlanPanel(props: { children?: preact.ComponentChildren }) {
           <Warnings />
           {checking && <Residual />}
           {checking ? <Checks /> : <Steps />}
-          <Limit name="Depth" value={isKnown.value ? now!.depth : null} warn={plan.value.depth} hard={plan.value.depth_max} unit="mm" />
+          <Limit name="Depth" value={depthIsKnown.value ? now!.depth : null} warn={plan.value.depth} hard={plan.value.depth_max} unit="mm" />
           <Limit name="Voltage" value={isKnown.value ? Math.abs(now!.drive) : null} warn={plan.value.v_max} hard={8} unit="kV" />
           {!plan.value.confirmed && (
             <button

@@ -38,6 +38,7 @@ export const restarted = signal(false)
 
 export const kBack_mm = 0.1 // so near to 0 the needle is back
 export const isKnown = computed(() => !isOld.value && (state.value?.measured ?? false))
+export const depthIsKnown = computed(() => isKnown.value && (state.value?.depth_known ?? false))
 
 export const controls = computed(() => linked.value && (state.value?.controller ?? false))
 export const plan = computed(() => (planned.value?.stages.length ? planned.value : null))

@@ -2,14 +2,14 @@
 // lit. What is said of the needle is measured.
 import { computed } from '@preact/signals'
 
-import { controls, disabledReason, isKnown, kBack_mm, linked, opened, plan, state, welcome } from './robot'
+import { controls, depthIsKnown, disabledReason, kBack_mm, linked, opened, plan, state, welcome } from './robot'
 import { mm } from './viewer/geometry'
 
 const kStandingStop = 'E-122'
 
 export const tipText = computed(() => {
   const depth = state.value?.depth ?? 0
-  if (!isKnown.value) return 'It is not known where the needle is.'
+  if (!depthIsKnown.value) return 'It is not known where the needle is.'
   if (Math.abs(depth) <= kBack_mm) return `The needle is back: ${mm(depth, 2)} mm measured.`
   return `The needle is at ${mm(depth, 2)} mm: not back.`
 })
@@ -41,7 +41,7 @@ interface Step {
 
 function steps(): Step[] {
   const all: Step[] = [{ text: 'Look at the needle and at the patient.' }]
-  if (isKnown.value && Math.abs(state.value!.depth) > kBack_mm)
+  if (depthIsKnown.value && Math.abs(state.value!.depth) > kBack_mm)
     all.push({ text: 'If the needle does not come back by itself, draw the stage back along its guide by hand.' })
   if (stopped.value!.code === kStandingStop) all.push({ text: 'Find out why STOP was pressed.' })
   if (lit.value !== 'reset' && opened.value) {

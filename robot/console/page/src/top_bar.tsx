@@ -2,7 +2,7 @@
 import { computed } from '@preact/signals'
 
 import type { Mode } from './generated/messages'
-import { isKnown, linkAge, linked, opened, state, welcome } from './robot'
+import { depthIsKnown, isKnown, linkAge, linked, opened, state, welcome } from './robot'
 import { dark } from './theme'
 import { mm } from './viewer/geometry'
 
@@ -51,6 +51,11 @@ export function TopBar() {
           needle locked
         </div>
       )}
+      {linked.value && now?.estop && (
+        <div class="estop" data-name="estop">
+          E-STOP pressed or unread
+        </div>
+      )}
       {welcome.value?.simulated && <div class="simulated">SIMULATED</div>}
       <div class="who">
         {series ? (
@@ -63,7 +68,7 @@ export function TopBar() {
           'No series is open'
         )}
       </div>
-      <Value name="Depth" text={known ? `${mm(now.depth, 2)} mm` : 'OLD'} />
+      <Value name="Depth" text={!known ? 'OLD' : depthIsKnown.value ? `${mm(now.depth, 2)} mm` : 'not known'} />
       <Value name="Voltage" text={known ? `${mm(Math.abs(now.drive), 2)} kV` : 'OLD'} />
       <Value name="Scanner" text={linked.value ? (now?.scanner ?? 'Idle').toLowerCase() : 'OLD'} />
       <Value name="Link" text={linked.value ? `${shownAge.value} ms` : 'lost'} />

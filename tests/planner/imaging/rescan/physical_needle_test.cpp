@@ -5,11 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <opencv2/core/version.hpp>
 #include <vector>
 
 #include "planner/imaging/depth_check/depth_check.hpp"
 #include "robot/common/statistics.hpp"
 #include "sim/scanner/scanner.hpp"
+#include "tests/expect_figures.hpp"
 #include "tests/planner/imaging/rescan/rescan_case.hpp"
 
 namespace biopsy::imaging::rescan {
@@ -62,8 +64,13 @@ TEST(RescanCampaign, ReadsAPhysicalNeedleByItsCalibrationAndAcceptsNoneWithout) 
     EXPECT_FALSE(check.verdict == DepthVerdict::Accept && off_mm > 1.0) << check.reason;
     EXPECT_FALSE(check.tip_found && check.sigma.value < 1.0 && off_mm > 2.0) << check.reason;
   }
-  fmt::print("  titanium in a re-scan: offset {:.2f} mm, scatter {:.2f} mm; of 8 accepted {}, rejected {}\n",
-             mean(offsets), standard_deviation(offsets), accepted, rejected);
+  expect_figures("depth-check-titanium",
+                 {"build/dev/tests/test_imaging --gtest_filter='RescanCampaign.*'",
+                  "explanation/depth-check.md",
+                  "OpenCV " CV_VERSION,
+                  {{"18 G titanium, nearly across the field", fmt::format("{:.2f}", mean(offsets)),
+                    fmt::format("{:.2f}", standard_deviation(offsets)), fmt::format("{} of 8", accepted),
+                    std::to_string(rejected)}}});
   EXPECT_GT(mean(offsets), 0.5);  // a bulb beyond the tip, as in life
   EXPECT_GE(accepted, 4);
 }

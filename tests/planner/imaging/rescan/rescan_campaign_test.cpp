@@ -5,10 +5,12 @@
 
 #include <array>
 #include <cmath>
+#include <opencv2/core/version.hpp>
 #include <vector>
 
 #include "planner/imaging/depth_check/depth_check.hpp"
 #include "planner/imaging/io/read_volume.hpp"
+#include "tests/expect_figures.hpp"
 #include "tests/planner/imaging/rescan/rescan_case.hpp"
 #include "tests/source_dir.hpp"
 
@@ -82,70 +84,83 @@ struct Tally {
   double rejected_share() const { return count > 0 ? static_cast<double>(rejected) / count : 0.0; }
 };
 
-Tally told(const Tally& tally, const Pair& pair, std::string_view what) {
-  fmt::print("  {:12s} {:20s} accept {:3d}  reject {:3d}  unsure {:3d}  accepted and off {}\n", pair.name,
-             what, tally.accepted, tally.rejected, tally.count - tally.accepted - tally.rejected,
-             tally.accepted_wrong);
+std::vector<std::string> row_of(const Tally& tally, std::string_view what) {
+  return {fmt::format("{}, {}", what, tally.count), std::to_string(tally.accepted),
+          std::to_string(tally.rejected), std::to_string(tally.count - tally.accepted - tally.rejected),
+          std::to_string(tally.accepted_wrong)};
+}
+
+Tally as_planned(const std::vector<Read>& readings) {
+  Tally tally;
+  for (const Read& one : readings) tally.add(one, one.c.plan_depth_mm);
   return tally;
 }
 
-Tally of_kind(const Pair& pair, Kind kind, std::uint64_t count) {
-  Tally tally;
-  for (const Read& one : read_all(pair, kind, 101, count)) tally.add(one, one.c.plan_depth_mm);
-  return told(tally, pair, label(kind));
-}
-
 // The same readings, had another depth been planned.
-Tally of_depths(const Pair& pair, const std::vector<Read>& right, double off_mm) {
+Tally of_depths(const std::vector<Read>& readings, double off_mm) {
   Tally tally;
-  for (const Read& one : right)
+  for (const Read& one : readings)
     for (const double off : {-off_mm, off_mm})
       if (one.c.plan_depth_mm + off >= 1.0) tally.add(one, one.c.plan_depth_mm + off);
-  return told(tally, pair, fmt::format("depth wrong by {} mm", off_mm));
+  return tally;
 }
 
 struct Counts {
   std::uint64_t right, wrong;  // cases of each kind
 };
 
-void expect_the_bar(const std::string& name, const Counts& counts, double accepted_least = 0.6) {
-  const auto pair = real_pair(name);
-  if (!pair) GTEST_SKIP() << "no real images beside the source folder";
-  const std::vector<Read> readings = read_all(*pair, Kind::RightPlan, 101, counts.right);
-  Tally right;
-  for (const Read& one : readings) right.add(one, one.c.plan_depth_mm);
-  told(right, *pair, label(Kind::RightPlan));
+// The rows of its table in the documentation.
+using Rows = std::vector<std::vector<std::string>>;
+
+Rows expect_the_bar(const Pair& pair, const Counts& counts, double accepted_least = 0.6) {
+  const std::vector<Read> readings = read_all(pair, Kind::RightPlan, 101, counts.right);
+  const Tally right = as_planned(readings), near = of_depths(readings, 3.0), far = of_depths(readings, 8.0);
   EXPECT_GE(right.accepted_share(), accepted_least);
   EXPECT_EQ(right.accepted_wrong, 0);
-  EXPECT_EQ(of_depths(*pair, readings, 3.0).accepted, 0);
-  const Tally far = of_depths(*pair, readings, 8.0);
+  EXPECT_EQ(near.accepted, 0);
   EXPECT_EQ(far.accepted, 0);
   EXPECT_GE(far.rejected_share(), 0.7);
-  EXPECT_EQ(of_kind(*pair, Kind::OldTrack, counts.wrong).accepted_wrong, 0);
-  for (const Kind kind :
-       {Kind::Beside5mm, Kind::Tilted6deg, Kind::NoNeedle, Kind::OtherPatient, Kind::Swapped})
-    EXPECT_EQ(of_kind(*pair, kind, counts.wrong).accepted, 0) << label(kind);
+  Rows rows{row_of(right, label(Kind::RightPlan)), row_of(near, "depth wrong by 3 mm either way"),
+            row_of(far, "depth wrong by 8 mm either way")};
+  for (const Kind kind : {Kind::OldTrack, Kind::Beside5mm, Kind::Tilted6deg, Kind::NoNeedle,
+                          Kind::OtherPatient, Kind::Swapped}) {
+    const Tally tally = as_planned(read_all(pair, kind, 101, counts.wrong));
+    EXPECT_EQ(kind == Kind::OldTrack ? tally.accepted_wrong : tally.accepted, 0) << label(kind);
+    rows.push_back(row_of(tally, label(kind)));
+  }
+  return rows;
+}
+
+// A whole campaign, whose table is in docs/explanation/depth-check.md.
+void expect_the_documented(const std::string& name, const Counts& counts, double accepted_least = 0.6) {
+  const auto pair = real_pair(name);
+  if (!pair) GTEST_SKIP() << "no real images beside the source folder";
+  expect_figures("depth-check-" + name, {"build/dev/tests/test_imaging --gtest_filter='RescanCampaign.*'",
+                                         "explanation/depth-check.md", "OpenCV " CV_VERSION,
+                                         expect_the_bar(*pair, counts, accepted_least)});
 }
 
 TEST(RescanCheck, MeetsTheBarOnAFewNeedlesInARescan) {
-  expect_the_bar("rescan", {10, 2});
+  const auto pair = real_pair("rescan");
+  if (!pair) GTEST_SKIP() << "no real images beside the source folder";
+  expect_the_bar(*pair, {10, 2});
 }
 
 TEST(RescanCampaign, MeetsTheBarInARescan) {
-  expect_the_bar("rescan", {60, 12});
+  expect_the_documented("rescan", {60, 12});
 }
 
 TEST(RescanCampaign, MeetsTheBarInTheRescanTakenTheOtherWay) {
-  expect_the_bar("rescan_back", {60, 12});
+  expect_the_documented("rescan_back", {60, 12});
 }
 
 TEST(RescanCampaign, MeetsTheBarInAnotherScannersRescan) {
-  expect_the_bar("brain", {60, 12});
+  expect_the_documented("brain", {60, 12});
 }
 
 // Another sequence, resolution and day's position: fewer decisions, no wrong one.
 TEST(RescanCampaign, NeverAcceptsWronglyBetweenPlanningAndGuidance) {
-  expect_the_bar("planning", {40, 15}, 0.45);
+  expect_the_documented("planning", {40, 15}, 0.45);
 }
 
 // Of the needles that are seen, whatever the verdict: errors within one and two standard deviations.
@@ -166,8 +181,12 @@ TEST(RescanCampaign, StatesStandardDeviationsThatHold) {
     }
   };
   count(Kind::RightPlan, 50), count(Kind::Beside5mm, 25), count(Kind::Tilted6deg, 25);
-  fmt::print("  {} seen; within two standard deviations: depth {}, lateral {}, angle {}\n", seen, within[0],
-             within[1], within[2]);
+  expect_figures("depth-check-deviations",
+                 {"build/dev/tests/test_imaging --gtest_filter='RescanCampaign.*'",
+                  "explanation/depth-check.md",
+                  "OpenCV " CV_VERSION,
+                  {{fmt::format("re-scan, {} needles seen", seen), std::to_string(within[0]),
+                    std::to_string(within[1]), std::to_string(within[2])}}});
   for (int good : within) EXPECT_GE(good, 0.9 * seen);
 }
 

@@ -117,7 +117,7 @@ std::string_view label(Kind kind) {
     case Kind::RightPlan:
       return "right plan";
     case Kind::Beside5mm:
-      return "5 mm beside";
+      return "5 mm beside the planned axis";
     case Kind::Tilted6deg:
       return "tilted by 6 degrees";
     case Kind::NoNeedle:
@@ -127,7 +127,7 @@ std::string_view label(Kind kind) {
     case Kind::Swapped:
       return "images swapped";
     case Kind::OldTrack:
-      return "old track beside";
+      return "right plan, an old track beside the needle";
   }
   return "";
 }

@@ -26,8 +26,8 @@ struct Console {
   std::vector<std::array<std::uint64_t, 2>> sent;  // the confirmations of each plan that was sent
   std::int64_t now_us = 0;
 
-  explicit Console(const Case& given)
-      : session(open_case(given, folder / "case"), true, folder.path(), 1,
+  explicit Console(const Case& given, bool simulated = true)
+      : session(open_case(given, folder / "case"), simulated, folder.path(), 1,
                 [this](const Plan&, const std::array<std::uint64_t, 2>& confirmed) {
                   sent.push_back(confirmed);
                 }) {
@@ -72,17 +72,28 @@ struct Console {
   }
 };
 
-// A run to the end of its only step, with the image checked. The robot is a table of what its supervisor may
+// A run to the end of its only step, where its image begins. The robot is a table of what its supervisor may
 // say, in any order, without a supervisor behind it: the console must not rely on that.
-struct HeldRun {
-  Console console{read_case("gap")};
+struct ArrivedRun {
+  Console console;
+  safety::Hazard worst = safety::Hazard::None;  // in every tick from here on
+  bool disturbed = false;                       // the supervisor calls the image so, likewise
 
-  HeldRun() {
+  explicit ArrivedRun(const Case& given = read_case("gap")) : console(given) {
     const Target target = console.session.prepared().target;
+    arrives(target.p_SE, target.p_ST);
+  }
+  ArrivedRun(const Case& given, const Point& p_SE, const Point& p_ST) : console(given) {
+    arrives(p_SE, p_ST);
+  }
+  void arrives(const Point& p_SE, const Point& p_ST) {
     EXPECT_TRUE(console.open(console.session.prepared().image.identity.series_uid));
-    console.plan(target.p_SE, target.p_ST);
+    console.plan(p_SE, p_ST);
     console.tick_all(true);
-    for (const Mode mode : {Mode::Ready, Mode::Armed, Mode::Active}) says(mode);
+    for (const Mode mode : {Mode::Ready, Mode::Armed, Mode::Active, Mode::Hold}) says(mode);
+  }
+  // Until the image is taken and checked.
+  void takes_image() {
     for (int i = 0; i < kFastScan / Seconds(kTick) + 10; ++i) says(Mode::Hold);
     while (state().scanner != console::Scanner::Idle) {
       console.session.wait_for_results();  // of the session's own clock no more than a tick passes
@@ -96,6 +107,8 @@ struct HeldRun {
     CycleSample cycle{};
     cycle.truth.tip_mm = std::get<Plan>(console.session.prepared().plan).target_depth.value;
     cycle.record.supervisor.permit.mode = mode;
+    cycle.record.supervisor.worst = worst;
+    cycle.record.supervisor.image_disturbed = disturbed;
     cycle.record.supervisor.reason = reason;
     cycle.record.supervisor.event = event;
     cycle.record.supervisor.step_done = mode >= Mode::Hold;
@@ -104,6 +117,11 @@ struct HeldRun {
   events::State state() { return console.session.state(kPage, console.now_us); }
   bool accept() { return console.send(commands::Judge{1, 0, console::Judgement::Accept}); }
   bool reject() { return console.send(commands::Judge{1, 0, console::Judgement::Reject}); }
+};
+
+// The same with its image checked.
+struct HeldRun : ArrivedRun {
+  HeldRun() { takes_image(); }
 };
 
 }  // namespace biopsy::robot

@@ -36,6 +36,32 @@ TEST(OperatorSession, ResetAfterATripNeedsTheConfirmedPlan) {
   EXPECT_EQ(console_.sent[1][1], 0u);
 }
 
+TEST(OperatorSession, ARealStageAsksForASecondPersonAndShowsTheSealToCompare) {
+  for (const bool simulated : {false, true}) {
+    Console console_(read_case("gap"), simulated);
+    const Target target = console_.session.prepared().target;
+    ASSERT_TRUE(console_.open(console_.session.prepared().image.identity.series_uid));
+    console_.plan(target.p_SE, target.p_ST);
+    console_.tick_all(true);
+    console_.receive(Mode::Safe, safety::Hazard::PlanUnconfirmed);
+    const std::string why = console_.session.state(kPage, console_.now_us).disabled.arm;
+    const std::string seal = console_.session.planned().seal.substr(0, 8);
+    EXPECT_EQ(why.find("`biopsy confirm` and compares the seal " + seal) != std::string::npos, !simulated)
+        << why;
+    console_.receive(Mode::Trip, safety::Hazard::PlanUnconfirmed);
+    const std::string no_reset = console_.session.state(kPage, console_.now_us).disabled.reset;
+    EXPECT_EQ(no_reset.find("`biopsy confirm`") != std::string::npos, !simulated) << no_reset;
+    console_.tick_all(false);
+    console_.receive(Mode::Trip, safety::Hazard::PlanUnconfirmed);
+    EXPECT_NE(console_.session.state(kPage, console_.now_us).disabled.reset.find("three checks"),
+              std::string::npos);
+    console_.tick_all(true);
+    console_.receive(Mode::Safe, safety::Hazard::PanelUntested);
+    EXPECT_EQ(console_.session.state(kPage, console_.now_us).disabled.arm.find("second person"),
+              std::string::npos);
+  }
+}
+
 TEST(OperatorSession, PointsAreKeptOverARestartAndNeverTheirConfirmation) {
   const ScratchFolder kept;
   KeptPoints points(kept / "points.jsonl");
@@ -189,44 +215,45 @@ TEST(OperatorSession, ShowsTheMeanOfTheLastTicksAsDepth) {
   for (const int depth_um : {100, 300, 200}) {
     CycleSample cycle{};
     cycle.record.measurement.depth_um = depth_um;
+    cycle.record.measurement.laser_valid = true;
     console_.session.update(cycle, console_.now_us += kTick_us);
   }
   EXPECT_DOUBLE_EQ(console_.session.state(kPage, console_.now_us).depth, 0.2);
 }
 
-TEST(OperatorSession, AcceptsADepthWhileTheNeedleIsHeldThere) {
-  HeldRun run;
-  EXPECT_EQ(run.state().disabled.accept, "");
-  EXPECT_TRUE(run.accept());
-  EXPECT_TRUE(run.state().completed);
+TEST(OperatorSession, SaysThatADepthIsKnownOnlyWhereItIsMeasured) {
+  Console console_(read_case("gap"));
+  const auto known = [&](bool valid, std::int32_t depth_b_um) {
+    for (int i = 0; i < 200; ++i) {
+      CycleSample cycle{};
+      cycle.record.measurement.laser_valid = valid;
+      cycle.record.measurement.laser_b_valid = true;
+      cycle.record.measurement.depth_b_um = depth_b_um;
+      console_.session.update(cycle, console_.now_us += kTick_us);
+    }
+    return console_.session.state(kPage, console_.now_us).depth_known;
+  };
+  EXPECT_FALSE(console_.session.state(kPage, 0).depth_known);
+  EXPECT_TRUE(known(true, 0));
+  EXPECT_FALSE(known(false, 0));
+  EXPECT_TRUE(known(true, 100));
+  EXPECT_FALSE(known(true, 1'000));
+  EXPECT_TRUE(known(true, 0));
 }
 
-TEST(OperatorSession, DoesNotAcceptADepthThatTheNeedleHasLeft) {
-  using safety::Event;
-  using safety::Hazard;
-  const std::tuple<std::vector<Mode>, Hazard, Event> kWays[] = {
-      {{Mode::Retract}, Hazard::None, Event::HoldTooLong},
-      {{Mode::Retract, Mode::Safe, Mode::Ready}, Hazard::OffsetOrScale, Event::Ramp},
-      {{Mode::Trip}, Hazard::Arc, Event::Fault},
-      {{Mode::Trip, Mode::Hold}, Hazard::Arc, Event::Fault}};  // no robot does that
-  for (const auto& [modes, reason, event] : kWays) {
-    HeldRun run;
-    for (const Mode mode : modes) run.says(mode, reason, event);
-    for (int i = 0; i < 100; ++i) run.says(modes.back(), reason);
-    EXPECT_NE(run.state().disabled.accept, "");
-    EXPECT_FALSE(run.accept());
-    EXPECT_FALSE(run.state().completed);
-    EXPECT_EQ(run.state().disabled.judge, "");  // it can still be rejected
-    EXPECT_TRUE(run.reject());
-  }
-}
-
-TEST(OperatorSession, ATripUndoesAnAcceptedDepth) {
-  HeldRun run;
-  ASSERT_TRUE(run.accept());
-  run.says(Mode::Trip, safety::Hazard::FastDrop, safety::Event::Fault);
-  EXPECT_FALSE(run.state().completed);
-  EXPECT_FALSE(run.accept());
+// Beside whatever hazard is worse, or ended the motion.
+TEST(OperatorSession, SaysThatTheEmergencyStopIsThereInEveryMode) {
+  Console console_(read_case("gap"));
+  for (int mode = 0; mode <= static_cast<int>(Mode::Lock); ++mode)
+    for (const bool pressed : {true, false}) {
+      CycleSample cycle{};
+      cycle.record.supervisor.permit.mode = static_cast<Mode>(mode);
+      cycle.record.supervisor.worst = safety::Hazard::ResidualCharge;
+      cycle.record.supervisor.reason = safety::Hazard::Arc;
+      cycle.record.evidence.clear = pressed ? 0 : safety::bit(safety::Hazard::EStop);
+      console_.session.update(cycle, console_.now_us += kTick_us);
+      EXPECT_EQ(console_.session.state(kPage, console_.now_us).estop, pressed) << mode;
+    }
 }
 
 // What a person accepted stays said, though the run does not count as completed.

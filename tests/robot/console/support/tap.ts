@@ -62,7 +62,7 @@ export async function freezePage(page: Page, given: Record<string, unknown>, mor
       const tap = window.tap
       tap.frozen = true
       const last = tap.events.get('State')!
-      const quiet = { depth: 0, drive: 0, hold_left: 0, armed_left: 0, ticks_left: 0, arm_held: 0, held: [], alarms: [], measured: true }
+      const quiet = { depth: 0, drive: 0, hold_left: 0, armed_left: 0, ticks_left: 0, arm_held: 0, held: [], alarms: [], measured: true, depth_known: true, estop: false }
       const now = { ...last, ...quiet, controller: true, controlled: true, ...(state as object) } as Message
       for (const message of messages as Message[]) tap.inject(message)
       for (let n = 0; n <= 1500; n += 3) {

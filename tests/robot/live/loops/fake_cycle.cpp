@@ -25,12 +25,18 @@ void accept_plan(const SealedPlan& sealed, SupervisorMemory& memory) {
   memory.plan.plan_tag = calls().plan_tag;
 }
 
+void confirm_plan(const PlanConfirmation& confirmation, std::int64_t now_us, SupervisorMemory&) {
+  calls().confirmed.emplace_back(confirmation, now_us);
+}
+
 Supervision supervise(const SupervisorSources& in, SupervisorMemory& memory, FaultHooks*) {
   calls().supervised.push_back(in);
   calls().supervisor_config = memory.config_tag;
   calls().self_test = memory.self_test;
   calls().session = memory.state.session;
+  calls().needs_second_person = memory.needs_second_person;
   memory.state.mode = calls().output.permit.mode;
+  memory.arm_turned_us = calls().arm_turned_us;
   Supervision out;
   out.output = calls().output;
   out.panel_unread_ms = calls().panel_unread_ms;

@@ -23,6 +23,7 @@ struct Drive {  // GatedStage::drive
 struct Calls {
   std::vector<robot::SupervisorSources> supervised;
   std::vector<SealedPlan> accepted;
+  std::vector<std::pair<PlanConfirmation, std::int64_t>> confirmed;
   std::vector<robot::ControllerInputs> controlled;
   std::vector<SealedPlan> loaded;
   std::vector<Drive> driven;
@@ -30,12 +31,14 @@ struct Calls {
   std::uint64_t supervisor_config = 0, controller_config = 0;
   safety::SelfTest self_test = safety::SelfTest::Pending;
   std::uint32_t session = 0;
+  bool needs_second_person = false;
 
   // To be returned
   safety::SupervisorOutput output;
   std::int32_t panel_unread_ms = 0;
   std::int32_t writer_count = 1;
   std::uint64_t plan_tag = 0;  // of the plan that is sent; 0: its seal does not hold
+  std::int64_t arm_turned_us = 0;
   bool feeds_interlock = true;
   std::int64_t control_ns = 0;                  // time that the controller takes for a request
   std::optional<safety::GatedVoltage> voltage;  // that the gate puts out; none: it writes nothing

@@ -95,7 +95,7 @@ struct Hang : LoopBench {
   HangingStage stage{barrier};
   live::StageLoop stage_loop{bus, stage, converter, kConfig};
   live::FilesTag files;
-  live::SupervisorLoop supervisor{bus, pulse, reader, files, kConfig, 1, safety::SelfTest::Passed};
+  live::SupervisorLoop supervisor{bus, pulse, reader, files, kConfig, 1, safety::SelfTest::Passed, false};
 };
 
 TEST_F(Hang, OfTheStagesLoopAloneTakesHighVoltageAwayWithinTwentyMilliseconds) {

@@ -46,11 +46,11 @@ TEST_F(IoStages, EachContactOfAHardwarePanelIsItsOwnLevel) {
         {&drivers::Panel::relay_closed, &digital_io::PanelLevels::relay_closed}}) {
     drivers::Panel panel;
     panel.*contact = true;
-    digital_io::PanelLevels expected;
+    digital_io::PanelLevels expected{.relay_wired = true};
     expected.*level = true;
     EXPECT_EQ(robot::panel_levels(panel), expected);
   }
-  EXPECT_EQ(robot::panel_levels({.read = true}), digital_io::PanelLevels{});
+  EXPECT_EQ(robot::panel_levels({.read = true}), digital_io::PanelLevels{.relay_wired = true});
 }
 
 TEST_F(IoStages, AHardwareStageGetsTheVoltageItselfAndTheConverterShowsIt) {

@@ -327,11 +327,16 @@ TEST_F(LiveRobotBench, KnowsOfEvidenceAsFarAsTheDecisionTells) {
   decision.worst = static_cast<std::uint8_t>(safety::Hazard::Arc);
   decision.reason = static_cast<std::uint8_t>(safety::Hazard::OverDepth);
   decision.panel_unread_ms = 143;
-  fake_bus::put(decision);
-  const auto sample = ask(asked(), 1'000);
-  ASSERT_TRUE(sample);
-  EXPECT_EQ(sample->record.evidence.clear, safety::kAllHazards & ~safety::bit(safety::Hazard::Arc));
-  EXPECT_EQ(sample->record.panel_unread_ms, 143);
+  for (const bool estop : {false, true}) {
+    decision.estop = estop;
+    fake_bus::put(decision);
+    const auto sample = ask(asked(), estop ? 2'000 : 1'000);
+    ASSERT_TRUE(sample);
+    safety::HazardSet found = safety::bit(safety::Hazard::Arc);
+    if (estop) found |= safety::bit(safety::Hazard::EStop);
+    EXPECT_EQ(sample->record.evidence.clear, safety::kAllHazards & ~found);
+    EXPECT_EQ(sample->record.panel_unread_ms, 143);
+  }
 }
 
 TEST_F(LiveRobotBench, TestsTheSimulatedPanelOnceInEachSessionOfTheSupervisor) {
@@ -373,6 +378,18 @@ TEST_F(LiveRobotBench, ShowsARampOrATripOfOneTickThoughLaterDecisionsCameWithIt)
     ASSERT_TRUE(second);
     EXPECT_EQ(second->record.supervisor.permit.mode, Mode::Ready);
   }
+}
+
+// An edge of the drive disturbs an image for one decision.
+TEST_F(LiveRobotBench, ShowsADisturbedImageThoughLaterDecisionsCameWithIt) {
+  ask({}, 10'000);
+  Decision decision;
+  for (const bool disturbed : {false, true, false})
+    ++decision.seq, decision.image_disturbed = disturbed, fake_bus::put(decision);
+  EXPECT_TRUE(ask({}, 20'000)->record.supervisor.image_disturbed);
+  EXPECT_FALSE(ask({}, 21'000)->record.supervisor.image_disturbed);
+  ++decision.seq, fake_bus::put(decision);
+  EXPECT_FALSE(ask({}, 22'000)->record.supervisor.image_disturbed) << "nothing of it came";
 }
 
 }  // namespace

@@ -49,11 +49,15 @@ TEST_F(RecorderLoopBench, WritesADecisionForEachFieldThatSaysSomethingNew) {
   // The same number again, or a gap to it, is a gap of reception: the table's messages repeat or skip one.
   std::size_t field = 0;
   std::uint32_t seq = 1'000;
-  const std::map<std::size_t, std::string> table{
-      {at(&Decision::mode), "state change"},       {at(&Decision::session), "state change"},
-      {at(&Decision::stop), "permit change"},      {at(&Decision::step), "permit change"},
-      {at(&Decision::step_done), "permit change"}, {at(&Decision::worst), "alarm"},
-      {at(&Decision::refusal), "request refused"}, {at(&Decision::seq), "reception gap"}};
+  const std::map<std::size_t, std::string> table{{at(&Decision::mode), "state change"},
+                                                 {at(&Decision::session), "state change"},
+                                                 {at(&Decision::stop), "permit change"},
+                                                 {at(&Decision::step), "permit change"},
+                                                 {at(&Decision::step_done), "permit change"},
+                                                 {at(&Decision::worst), "alarm"},
+                                                 {at(&Decision::estop), "alarm"},
+                                                 {at(&Decision::refusal), "request refused"},
+                                                 {at(&Decision::seq), "reception gap"}};
   fields::for_each_field(base, [&](auto member, Decision changed) {
     Decision first = base;
     first.seq = seq++;
@@ -132,6 +136,32 @@ TEST_F(RecorderLoopBench, WritesWhyTheEmergencyStopWasFoundAndThatAgainWhereItCh
   decision.worst = static_cast<std::uint8_t>(safety::Hazard::Arc);
   EXPECT_EQ(alarm(0), safety::name_of(safety::Hazard::Arc));
   EXPECT_EQ(alarm(30), "") << "not what is the matter now";
+}
+
+// A trip for an arc, the button pressed in it and let go: nothing else in a decision tells of it.
+TEST_F(RecorderLoopBench, WritesAnEmergencyStopThatIsPressedBesideAWorseHazard) {
+  Decision decision;
+  decision.session = 100, decision.estop = false;
+  decision.worst = static_cast<std::uint8_t>(safety::Hazard::Arc);
+  const auto beside = [&](bool estop) {
+    ++decision.seq, decision.estop = estop;
+    std::string told;
+    for (const Record& record : after(decision))
+      if (const json body = json::parse(record.body); body.contains("beside")) {
+        told += body["beside"].get<std::string>() + (body["over"].get<bool>() ? ", over" : "");
+        EXPECT_EQ(body["seq"], decision.seq);
+      }
+    return told;
+  };
+  EXPECT_EQ(beside(false), "");
+  const std::string name = robot::hazard_text(safety::Hazard::EStop, decision.panel_unread_ms);
+  EXPECT_EQ(beside(true), name);
+  EXPECT_EQ(beside(true), "");
+  EXPECT_EQ(beside(false), name + ", over");
+  decision.worst = static_cast<std::uint8_t>(safety::Hazard::EStop);
+  EXPECT_EQ(beside(true), "") << "it is the worst";
+  decision.worst = static_cast<std::uint8_t>(safety::Hazard::Arc);
+  EXPECT_EQ(beside(false), "") << "it was";
 }
 
 TEST_F(RecorderLoopBench, WritesEveryChangeOfAnActButNotItsRepetition) {

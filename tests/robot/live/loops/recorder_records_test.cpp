@@ -48,16 +48,19 @@ TEST_F(RecorderLoopBench, WritesWhatIsUrgentAtOnceAndTheRestWithinAHundredMillis
   expect(true, "state change", decision);
   decision.seq = 2, decision.step = 3;
   expect(false, "permit change", decision);
-  decision.seq = 3, decision.worst = 2;
+  decision.seq = 3, decision.worst = static_cast<std::uint8_t>(safety::Hazard::Arc);
   expect(false, "alarm", decision);
   decision.seq = 4, decision.refusal = 1;
   expect(false, "request refused", decision);
   decision.seq = 9;
   expect(false, "reception gap", decision);
+  decision.seq = 10, decision.estop = !decision.estop;
+  expect(false, "an emergency stop beside it", decision);
   OperatorAct act;
   act.token = 1;
   expect(false, "operator act", act);
   expect(true, "plan", SealedPlan{1, {}, {}, {}});
+  expect(true, "plan confirmation", PlanConfirmation{});
   expect(true, "depth check", DepthVerdictNote{});
   Measurement measured;
   measured.hv_enabled = true;
@@ -238,6 +241,14 @@ TEST_F(RecorderLoopBench, WritesWhatAPlanIsFor) {
     EXPECT_EQ(body(other, tag)["confirmations"], 1);
     EXPECT_EQ(body(other, other)["confirmations"], 0);
   }
+}
+
+TEST_F(RecorderLoopBench, WritesWhoConfirmedAPlanAsTheSecondPerson) {
+  const Record record = after(PlanConfirmation{1, {0x00, 0xAB, 0xCD}, "Dr. B"}).at(0);
+  EXPECT_EQ(record.kind, "plan confirmation");
+  EXPECT_EQ(record.source, "confirmer");
+  EXPECT_EQ(json::parse(record.body),
+            (json{{"operator", "Dr. B"}, {"seal", "00abcd" + std::string(58, '0')}}));
 }
 
 TEST_F(RecorderLoopBench, KeepsTextAsItIsAndReplacesBytesThatAreNone) {

@@ -3,47 +3,22 @@
 
 #include <chrono>
 
-#include "drivers/digital_io/shared_io.hpp"
-#include "tests/robot/live/loops/bench.hpp"
+#include "tests/robot/live/loops/supervisor_loop_bench.hpp"
 
 namespace biopsy::loops_tests {
 namespace {
 
-constexpr std::uint32_t kSession = 31;
-
-struct CountedPulse final : drivers::PulseOutput {
-  int pulses = 0;
-  void pulse() override { ++pulses; }
-};
-
-struct SupervisorLoopBench : LoopBench {
-  // One turn at a time `us` after the start, with a measurement.
-  void turn(std::int64_t us) {
-    fake_bus::set_clock_us(kStart_us + us);
-    Measurement measured;
-    measured.seq = ++seq;
-    fake_bus::put(measured);
-    loop.turn();
-  }
-  const robot::SupervisorSources& last() const { return calls.supervised.back(); }
-
-  digital_io::PanelIo panel_of_device{folder.path()};
-  const digital_io::IoReader panel{folder.path()};
-  CountedPulse pulse;
-  live::FilesTag files;
-  live::SupervisorLoop loop{bus, pulse, panel, files, kConfig, kSession, safety::SelfTest::Passed};
-  std::uint32_t seq = 0;
-};
-
 // A new member of the sources makes this fail to compile, until a test claims where it comes from.
 void expect_same(const robot::SupervisorSources& a, const robot::SupervisorSources& b) {
-  const auto& [now_us, measurement, request, writers, panel, files_tag, act, log, verdict, navigation] = a;
+  const auto& [now_us, measurement, request, writers, panel, files_tag, files_read_us, act, log, verdict,
+               navigation] = a;
   EXPECT_EQ(measurement, b.measurement);
   EXPECT_EQ(request, b.request);
   EXPECT_EQ(writers, b.writers);
   EXPECT_EQ(panel.levels, b.panel.levels);
   EXPECT_EQ(panel.read, b.panel.read);
   EXPECT_EQ(files_tag, b.files_tag);
+  EXPECT_EQ(files_read_us, b.files_read_us);
   EXPECT_EQ(act.message, b.act.message);
   EXPECT_EQ(log.message, b.log.message);
   EXPECT_EQ(verdict, b.verdict);
@@ -162,7 +137,7 @@ TEST_F(SupervisorLoopBench, StartsWithItsConfigurationSelfTestAndSession) {
   EXPECT_EQ(calls.supervisor_config, kConfig);
   EXPECT_EQ(calls.self_test, safety::SelfTest::Passed);
   EXPECT_EQ(calls.session, kSession);
-  live::SupervisorLoop failed(bus, pulse, panel, files, kConfig, kSession, safety::SelfTest::Failed);
+  live::SupervisorLoop failed(bus, pulse, panel, files, kConfig, kSession, safety::SelfTest::Failed, false);
   fake_bus::put(Measurement{});
   failed.turn();
   EXPECT_EQ(calls.self_test, safety::SelfTest::Failed);
@@ -176,7 +151,8 @@ TEST_F(SupervisorLoopBench, ReadsThePanelInEachTickOfABurst) {
     void pulse() override { panel.set({.reset_key = true}); }
   } turns_a_key(panel_of_device);
   digital_io::StageIo(folder.path()).mark_panel_read(kStart_us * 1'000);
-  live::SupervisorLoop other(bus, turns_a_key, panel, files, kConfig, kSession, safety::SelfTest::Passed);
+  live::SupervisorLoop other(bus, turns_a_key, panel, files, kConfig, kSession, safety::SelfTest::Passed,
+                             false);
   calls.output.interlock_pulse = true;
   for (std::uint32_t n = 1; n <= 2; ++n) {
     Measurement measured;
@@ -394,6 +370,24 @@ TEST_F(SupervisorLoopBench, KnowsTheConfigurationOfTheFilesForFiveSecondsAfterTh
   files.set(0, kStart_us + 5'000'002);
   turn(5'000'003);
   EXPECT_EQ(last().files_tag, 0U) << "a file cannot be read";
+}
+
+TEST_F(SupervisorLoopBench, AsksForTheFilesToBeReadWhereTheArmKeyWasTurnedAfterTheyWere) {
+  files.set(77, kStart_us);
+  turn(1'000);
+  EXPECT_EQ(last().files_read_us, kStart_us);
+  EXPECT_FALSE(files.take_request()) << "the key is not turned";
+  for (const auto& [turned_us, is_asked] : {std::pair{kStart_us, false}, {kStart_us + 1, true}}) {
+    calls.arm_turned_us = turned_us;
+    turn(2'000);
+    EXPECT_EQ(files.take_request(), is_asked);
+    EXPECT_FALSE(files.take_request()) << "once";
+  }
+  files.set(78, kStart_us + 1);
+  turn(3'000);
+  EXPECT_FALSE(files.take_request());
+  EXPECT_EQ(last().files_tag, 78U);
+  EXPECT_EQ(last().files_read_us, kStart_us + 1);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 
 #include "planner/plan/seal.hpp"
+#include "robot/common/operator_name.hpp"
 #include "robot/security/cyclone_xml.hpp"
 #include "tests/robot/live/loops/live_robot_bench.hpp"
 #include "tests/robot/live/processes/session_bench.hpp"
@@ -141,12 +142,34 @@ TEST_F(Session, ThePlanIsConfirmedTwiceAsItWasShown) {
   Plan plan;
   plan.target_depth = Millimetres(3.0);
   planner::seal(plan);
+  const std::uint64_t shown = planner::plan_tag(plan);
+  before_turn = [&] {
+    Health health;
+    health.process = Process::Supervisor, health.seq = 1,
+    health.plan_tag = slept_ms() < 300 ? shown ^ 1 : shown;
+    fake_bus::put(health);
+    if (slept_ms() < 300) {
+      EXPECT_TRUE(fake_bus::written<PlanConfirmation>().empty());
+    }
+  };
   session->send_plan(plan);
+  EXPECT_EQ(slept_ms(), 300) << "the supervisor has it";
   const auto sent = fake_bus::written<SealedPlan>();
   ASSERT_EQ(sent.size(), 1U);
-  const std::uint64_t shown = planner::plan_tag(plan);
   EXPECT_EQ(sent[0].confirmed_tag, (std::array<std::uint64_t, 2>{shown, shown}));
   EXPECT_EQ(sent[0].bytes, planner::canonical_bytes(plan));
+  const auto apart = fake_bus::written<PlanConfirmation>();
+  ASSERT_EQ(apart.size(), 1U);
+  EXPECT_EQ(apart[0], (PlanConfirmation{1, plan.seal, operator_name()})) << "as a real stage needs it";
+}
+
+TEST_F(Session, WaitsForASupervisorThatHasNoPlanAndThenSaysWhatItHas) {
+  begin();
+  Plan plan;
+  planner::seal(plan);
+  session->send_plan(plan);
+  EXPECT_EQ(slept_ms(), 15'000);
+  EXPECT_EQ(fake_bus::written<PlanConfirmation>().size(), 1U);
 }
 
 // High voltage is on until the supervisor hears of the ramp; until then few ticks come, so that the

@@ -193,6 +193,7 @@ TEST_F(SupervisorMain, PulsesItsHalfOfTheInterlockOnTheDigitalIo) {
   EXPECT_EQ(reader.supervisor_pulses(), 5U);
   EXPECT_EQ(machine.board.pulses, 0);
   EXPECT_TRUE(machine.board.opened.empty()) << "a simulated stage has no board";
+  EXPECT_FALSE(calls.needs_second_person) << "and its console gives both confirmations";
   turn = 0;
   decide(Mode::Trip, false);
   for_turns(5);
@@ -210,6 +211,7 @@ TEST_F(SupervisorMain, PulsesTheBoardsLineTooWhereThereIsOne) {
   run(supervisor_main);
   EXPECT_EQ(machine.board.opened, std::vector<std::string>{"pulse nidaqmx board.toml"});
   EXPECT_EQ(machine.board.pulses, 5);
+  EXPECT_TRUE(calls.needs_second_person) << "of the plan for a real stage";
   EXPECT_EQ(reader.supervisor_pulses(), 5U);
   EXPECT_EQ(log("supervisor").find("failed"), std::string::npos);
 }

@@ -90,7 +90,7 @@ TEST_F(OwnershipOfFiles, GivesKeysToTheirProcessAndNobodyElse) {
     const std::string role = name.substr(9, name.find('/', 9) - 9);
     const bool is_process = role == "stage" || role == "controller" || role == "supervisor" ||
                             role == "recorder" || role == "console" || role == "navigation" ||
-                            role == "observer";
+                            role == "observer" || role == "mcap" || role == "confirmer";
     EXPECT_EQ(file.user, is_process ? "biopsy-" + role : "root") << name;
   }
   EXPECT_EQ(owners().at("run/keys").mode, 0711U) << "others may pass, but not list or add";

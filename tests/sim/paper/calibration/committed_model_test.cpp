@@ -9,6 +9,7 @@
 #include "sim/paper/figures/figures.hpp"
 #include "sim/paper/held_out.hpp"
 #include "sim/plant/model_file.hpp"
+#include "tests/expect_figures.hpp"
 #include "tests/sim/paper/calibration/start_model.hpp"
 #include "tests/source_dir.hpp"
 
@@ -72,6 +73,29 @@ TEST(CalibratedModel, MissesTheseRowsAndExplainsThem) {
   EXPECT_EQ(numbers, 22U);
   EXPECT_EQ(statements, 47U);
   EXPECT_EQ(missed, expected);
+}
+
+// The table of docs/explanation/paper.md.
+TEST(CalibratedModel, ScoresAsDocumentedBesideTheLeakageModel) {
+  Reproduction reproduction = committed_reproduction();
+  paper::add_leakage_model(reproduction, paper::reproduce(paper::read_paper_model(kModels / "baseline.toml",
+                                                                                  kModels / "paper.toml")));
+  struct Met {
+    int of = 0, model = 0, leakage = 0;
+  } numbers, statements, closed_forms;
+  for (const PaperFigure& figure : reproduction.figures)
+    for (const PaperRow& row : figure.rows) {
+      if (row.kind == RowKind::Shown) continue;
+      Met& met = row.figure == "2" ? closed_forms : row.kind == RowKind::Trend ? statements : numbers;
+      ++met.of, met.model += row.ok, met.leakage += row.leakage_ok.value_or(false);
+    }
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [what, met] :
+       {std::pair{"numbers within 20 %, and one bound", numbers},
+        std::pair{"statements as stated", statements}, std::pair{"closed forms of Fig. 2", closed_forms}})
+    rows.push_back({what, std::to_string(met.of), std::to_string(met.model), std::to_string(met.leakage)});
+  expect_figures("paper", {"build/dev/tests/test_calibration --gtest_filter='CalibratedModel.*'",
+                           "explanation/paper.md", "g++ " __VERSION__, rows});
 }
 
 TEST(CalibratedModel, HeldOutRowsAreOfThisModelAndOfTheseFigures) {

@@ -57,7 +57,7 @@ safety::SupervisorState unpack(const SpinState& packed) {
   (state.mode == Mode::Active ? state.ms_since_held : state.ms_in_mode) = packed.ticks;
   state.step = packed.step;
   state.step_done = packed.step_done != 0;
-  state.arrived_seq = 1;
+  state.arrived_seq = state.seq = 1;
   state.arm_was_down = packed.arm_was_down != 0;
   state.reset_was_down = packed.reset_was_down != 0;
   state.token = packed.any_token != 0 ? kPresent : 0;

@@ -72,9 +72,9 @@ void vary_memory(SupervisorState& state, std::uint64_t choice) {
     state.held_mV = static_cast<std::int32_t>(below(8'000'001, choice >> 12));
 }
 
-// An image stays as much younger or older than the arrival.
+// An image stays as much younger or older than the arrival, and neither is of the future.
 void vary_arrival(SupervisorState& state, Situation& input, std::uint64_t choice) {
-  const auto shift = below(1'000'000, choice);
+  const auto shift = below(1 + state.seq - state.arrived_seq, choice);
   state.arrived_seq += shift;
   input.accepted_since_seq += shift;
 }

@@ -153,8 +153,9 @@ static constexpr std::array<Invariant, kInvariants> kTable{{
      [](const Step& s) {
        const bool asks = s.before.mode == Mode::Hold && s.enters(Mode::Active) && s.before.step_done &&
                          s.plan.steps[s.before.step % safety::kMaxSteps].image_confirms;
-       const bool of_this_hold =
-           s.input.accepted_session == s.before.session && s.input.accepted_since_seq >= s.before.arrived_seq;
+       const bool of_this_hold = s.input.accepted_session == s.before.session &&
+                                 s.input.accepted_since_seq >= s.before.arrived_seq &&
+                                 s.input.accepted_since_seq <= s.before.seq;
        return Finding{asks, s.input.depth_accepted && s.input.accepted_step == s.before.step && of_this_hold};
      }},
     {"step-order", "Steps go up by one, from Hold at a step's end; arming begins at the first.",

@@ -52,7 +52,7 @@ function Path(props: { tile: Tile; from: Vec3; to: Vec3 }) {
 // Hollow and "OLD" while the position is outdated.
 function Tip(props: { tile: Tile; from: Vec3; to: Vec3 }) {
   const known = state.value
-  if (!known?.measured) return null
+  if (!known?.measured || !known.depth_known) return null
   const way = minus(props.to, props.from)
   const tip = add(props.from, way, Math.round(50 * known.depth) / 50 / length(way)) // no repaint for noise
   const { x, y, off } = project(props.tile, tip)
