@@ -74,7 +74,7 @@ endfunction()
 function(biopsy_discover_tests NAME KIND WITH WITHOUT LABEL)  # an entry of ctest for each test; more properties behind
   if(WITH)
     gtest_discover_tests(test_${NAME} TEST_FILTER "${WITH}${WITHOUT}" TEST_LIST test_${NAME}_${KIND} DISCOVERY_TIMEOUT 60
-      PROPERTIES LABELS ${LABEL} TIMEOUT 600 ${ARGN})
+      PROPERTIES LABELS ${LABEL} TIMEOUT 900 ${ARGN})
   endif()
 endfunction()
 add_custom_target(tests)  # every test program; benches and the proofs of the safety case are built with `all`

@@ -1,8 +1,7 @@
 """Which tests of an evidence file are run again, and what becomes of them. Inputs: a program that answers as a list says, in the
-JSON that gtest 1.12 writes, and a faketime that says that it was called."""
+JSON that gtest 1.12 writes."""
 
 import json
-import os
 import pathlib
 import subprocess
 import sys
@@ -15,14 +14,14 @@ PROGRAM = pathlib.Path(__file__).with_name("judge_again")
 # Answers the n-th call with the n-th word of results.txt.
 FAKE = """\
 #!/usr/bin/env python3
-import json, os, pathlib, sys
+import json, pathlib, sys
 here = pathlib.Path(__file__).parent
 results = (here / "results.txt").read_text().split()
 calls = here / "calls.txt"
 number = len(calls.read_text().splitlines()) if calls.exists() else 0
 name = sys.argv[1].removeprefix("--gtest_filter=")
 with calls.open("a") as file:
-    file.write(f"{name} {os.environ.get('SLOW', 'real')}\\n")
+    file.write(f"{name}\\n")
 suite, test = name.split(".", 1)
 entry = {"name": test, "status": "RUN", "result": "SKIPPED", "verifies": "R-26,R-44"}
 if results[number] != "skipped":
@@ -34,7 +33,6 @@ if results[number] != "died":
         json.dumps({"testsuites": [{"testsuite": [entry]}]}))
 print("said", results[number])
 """
-FAKETIME = '#!/bin/sh\nshift 2\nSLOW=slow exec "$@"\n'
 
 
 class Evidence:
@@ -42,9 +40,9 @@ class Evidence:
         """`tests`: name -> passed, skipped or failed, as they first were."""
         self.folder = tempfile.TemporaryDirectory()
         self.path = pathlib.Path(self.folder.name)
-        for name, text in (("program", FAKE), ("faketime", FAKETIME)):
-            (self.path / name).write_text(textwrap.dedent(text))
-            (self.path / name).chmod(0o755)
+        program = self.path / "program"
+        program.write_text(textwrap.dedent(FAKE))
+        program.chmod(0o755)
         (self.path / "results.txt").write_text(" ".join(results))
         (self.path / "live.txt").write_text(
             "".join(f"[  SKIPPED ] {name} (39779 ms)\n" for name, was in tests.items() if was == "skipped"))
@@ -52,9 +50,8 @@ class Evidence:
         self.before = {"passed": not failed, "figures": {"failed": float(len(failed)), "tests": float(len(tests))},
                        "tests": [{"name": name, "passed": was == "passed", "verifies": []} for name, was in tests.items()]}
         (self.path / "live.json").write_text(json.dumps(self.before))
-        environment = {**os.environ, "PATH": f"{self.path}:{os.environ['PATH']}"}
-        self.code = subprocess.run([sys.executable, "-B", PROGRAM, self.path / "live.json", self.path / "program"],
-                                   capture_output=True, text=True, check=False, env=environment).returncode
+        self.code = subprocess.run([sys.executable, "-B", PROGRAM, self.path / "live.json", program],
+                                   capture_output=True, text=True, check=False).returncode
         self.after = json.loads((self.path / "live.json").read_text())
         calls = self.path / "calls.txt"
         self.calls = calls.read_text().splitlines() if calls.exists() else []
@@ -66,7 +63,7 @@ class JudgeAgain(unittest.TestCase):
     def test_what_was_skipped_counts_as_it_ends_when_it_is_judged(self):
         done = Evidence({"A.One": "passed", "A.Two/doubled_1000": "skipped"}, ["skipped", "skipped", "passed"])
         self.assertEqual(done.code, 0)
-        self.assertEqual(done.calls, ["A.Two/doubled_1000 real"] * 3)
+        self.assertEqual(done.calls, ["A.Two/doubled_1000"] * 3)
         self.assertEqual(done.after["tests"][1], {"name": "A.Two/doubled_1000", "passed": True, "verifies": ["R-26", "R-44"]})
         self.assertEqual((done.after["passed"], done.after["figures"]), (True, {"failed": 0.0, "tests": 2.0}))
         self.assertEqual(done.log.count("run again, alone\nsaid"), 3)
@@ -86,12 +83,8 @@ class JudgeAgain(unittest.TestCase):
         done = Evidence({"A.One": "failed", "A.Two": "passed"}, ["passed"])
         self.assertEqual((done.code, done.calls, done.after), (1, [], done.before))
         beside = Evidence({"A.One": "failed", "A.Two": "skipped"}, ["passed"])
-        self.assertEqual((beside.code, beside.calls), (0, ["A.Two real"]))
+        self.assertEqual((beside.code, beside.calls), (0, ["A.Two"]))
         self.assertEqual((beside.after["passed"], beside.after["figures"]["failed"]), (False, 1.0))
-
-    def test_only_what_asserts_no_deadline_gets_a_slow_clock(self):
-        done = Evidence({"LiveRobot.Rehearses": "skipped", "Some/LiveEventTest.Is/killed": "skipped"}, ["passed"] * 2)
-        self.assertEqual(done.calls, ["LiveRobot.Rehearses slow", "Some/LiveEventTest.Is/killed real"])
 
 
 if __name__ == "__main__":

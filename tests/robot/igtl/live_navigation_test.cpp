@@ -26,6 +26,7 @@ std::string reach_a_target() {
   site.person->arms = true;
   if (!site.in(Mode::Armed)) return site.kept("it was not armed");
   navigator.command("MOVE_TO_TARGET", "TRANSFORM CURRENT_POSITION");
+  if (site.person->mode == Mode::Trip) return site.kept("it did not stay armed");
   EXPECT_EQ(site.person->mode, Mode::Armed);  // nobody holds the button
   site.person->arms = false;
   site.person->inserts = true;

@@ -52,8 +52,9 @@ class PersonAtConsole {
   std::atomic<bool> arms = true, inserts = true, resets = false;
   std::atomic<Mode> mode = Mode::Boot;
   std::atomic<std::int64_t> drive_mV = 0;
-  std::atomic<safety::Hazard> hazard = safety::Hazard::None;  // of the last trip, ramp or hold for one
-  std::atomic<std::int32_t> panel_unread_ms = 0;              // then, as in Decision
+  std::atomic<safety::Hazard> hazard =
+      safety::Hazard::None;  // of the last trip, ramp or hold for one, or present where a mode was left
+  std::atomic<std::int32_t> panel_unread_ms = 0;  // then, as in Decision
   std::uint64_t lost() const { return robot_.lost(); }
   std::array<Health, kCount<Process>> health() const { return robot_.health(); }
   std::atomic<int> accepted = 0;  // images
@@ -71,10 +72,12 @@ class PersonAtConsole {
     const auto cycle = robot_.tick(session_.inputs(now_us));
     if (!cycle) return session_.mark_silent();
     session_.update(*cycle, now_in_us());
-    mode = cycle->record.supervisor.permit.mode;
+    const safety::SupervisorOutput& supervisor = cycle->record.supervisor;
+    const bool left = mode.exchange(supervisor.permit.mode) != supervisor.permit.mode;
     drive_mV = cycle->record.drive_mV;
-    if (const safety::Hazard reason = cycle->record.supervisor.reason; reason != safety::Hazard::None)
-      hazard = reason, panel_unread_ms = cycle->record.panel_unread_ms;
+    const safety::Hazard reason =
+        supervisor.reason == safety::Hazard::None && left ? supervisor.worst : supervisor.reason;
+    if (reason != safety::Hazard::None) hazard = reason, panel_unread_ms = cycle->record.panel_unread_ms;
     if (++ticks_ % 20 == 0) act(now_in_us());
   }
   bool ask(const commands::Any& command) {
@@ -163,7 +166,8 @@ struct Site {
     return wait(patience, [&] { return person->mode == mode; });
   }
   std::string kept(const std::string& what) const {
-    return fmt::format("{}; {}", what, robot::hazard_text(person->hazard, person->panel_unread_ms));
+    return fmt::format("{} but in {}; {}", what, safety::name_of(person->mode.load()),
+                       robot::hazard_text(person->hazard, person->panel_unread_ms));
   }
   igtl::Transform calibration() const {
     const Plan& plan = std::get<Plan>(prepared.plan);

@@ -21,10 +21,10 @@ class BadWire {
   explicit BadWire(const std::filesystem::path& folder) : file_(folder / "lossy") {
     std::ofstream(file_, std::ios::binary) << std::string(6 * sizeof(std::uint32_t), '\0');
     setenv("LOSSY_FILE", file_.c_str(), 1);
-    setenv("LD_PRELOAD", LOSSY, 1);
+    setenv("LD_PRELOAD", (LOSSY + (before_.empty() ? "" : ":" + before_)).c_str(), 1);
   }
   ~BadWire() {
-    unsetenv("LD_PRELOAD");
+    setenv("LD_PRELOAD", before_.c_str(), 1);
     unsetenv("LOSSY_FILE");
   }
   BadWire(const BadWire&) = delete;
@@ -44,7 +44,13 @@ class BadWire {
   }
 
  private:
+  static std::string loaded_before() {
+    const char* text = std::getenv("LD_PRELOAD");
+    return text == nullptr ? std::string() : text;
+  }
+
   std::filesystem::path file_;
+  const std::string before_ = loaded_before();  // a slowed clock's
 };
 
 }  // namespace biopsy::live_tests

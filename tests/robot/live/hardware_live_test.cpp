@@ -46,19 +46,21 @@ TEST(HardwareLive, ACommissionedStageGetsReadyAndNothingMovesBeforeAHandTurnsThe
   });
 }
 
-// The robot's state while another program runs, which is here the second person. `meanwhile`: ten times a
-// second.
+// The robot's state while another program runs, which is here the second person. `hazard`: the last that was
+// present meanwhile; a reset is needed after some of them. `meanwhile`: ten times a second.
 Mode mode_during(robot::LiveSession& session, std::string& hazard, const std::function<void()>& person,
                  int ticks, const std::function<void()>& meanwhile) {
   std::atomic<bool> done{false};
   std::jthread thread([&] { person(), done = true; });
   Mode mode = Mode::Boot;
+  hazard = "no hazard";
   for (int n = 0; n < ticks || !done; ++n) {
     const std::optional<robot::CycleSample> cycle = session.robot().tick(robot::OperatorInputs::idle());
     if (n % 100 == 0) meanwhile();
     if (!cycle) continue;
     mode = cycle->record.supervisor.permit.mode;
-    hazard = robot::hazard_text(cycle->record.supervisor.worst, cycle->record.panel_unread_ms);
+    const safety::Hazard worst = cycle->record.supervisor.worst;
+    if (worst != safety::Hazard::None) hazard = robot::hazard_text(worst, cycle->record.panel_unread_ms);
   }
   return mode;
 }

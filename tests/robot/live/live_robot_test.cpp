@@ -108,17 +108,18 @@ TEST_P(LiveEventTest, TakesTheHighVoltageOff) {
            : std::get<0>(GetParam()) == Process::Recorder   ? "R-28"
                                                             : "R-43");
   const auto [victim, signal, allowed_ms] = GetParam();
-  on_a_steady_host([&, victim = victim, signal = signal, allowed_ms = allowed_ms]() -> std::string {
-    const ScratchFolder folder;
-    const EventOutcome outcome = live_event({victim, signal, 700}, plain(), gap_case(), folder.path(),
-                                            victim == Process::Recorder ? 2'000 : 300);
-    if (!outcome.trouble.empty()) return outcome.trouble;
-    EXPECT_GE(outcome.to_zero_ms, 0.0) << "high voltage stayed on";
-    const std::string which = std::string(name_of(victim)) + (signal == SIGKILL ? "_killed" : "_stopped");
-    RecordProperty(which + "_to_zero_ms", fmt::format("{:.2f}", outcome.to_zero_ms));
-    RecordProperty(which + "_host_late_ms", fmt::format("{:.2f}", outcome.host_late_ms));
-    return in_time(outcome, allowed_ms);
-  });
+  on_a_steady_host(
+      Asserts::Deadline, [&, victim = victim, signal = signal, allowed_ms = allowed_ms]() -> std::string {
+        const ScratchFolder folder;
+        const EventOutcome outcome = live_event({victim, signal, 700}, plain(), gap_case(), folder.path(),
+                                                victim == Process::Recorder ? 2'000 : 300);
+        if (!outcome.trouble.empty()) return outcome.trouble;
+        EXPECT_GE(outcome.to_zero_ms, 0.0) << "high voltage stayed on";
+        const std::string which = std::string(name_of(victim)) + (signal == SIGKILL ? "_killed" : "_stopped");
+        RecordProperty(which + "_to_zero_ms", fmt::format("{:.2f}", outcome.to_zero_ms));
+        RecordProperty(which + "_host_late_ms", fmt::format("{:.2f}", outcome.host_late_ms));
+        return in_time(outcome, allowed_ms);
+      });
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryProcess, LiveEventTest,
@@ -141,7 +142,7 @@ class LostPacketsLiveEventTest : public ::testing::TestWithParam<std::tuple<std:
 TEST_P(LostPacketsLiveEventTest, TakeTheHighVoltageOff) {
   verifies("R-26", "R-44");
   const auto [per_mille, allowed_ms] = GetParam();
-  on_a_steady_host([&, per_mille = per_mille, allowed_ms = allowed_ms]() -> std::string {
+  on_a_steady_host(Asserts::Deadline, [&, per_mille = per_mille, allowed_ms = allowed_ms]() -> std::string {
     const ScratchFolder folder;
     const EventOutcome outcome =
         live_event({Process::Stage, 0, 700, {.lost = per_mille}}, plain(), gap_case(), folder.path(), 3'000);
@@ -184,7 +185,7 @@ TEST_P(TroubledPacketsLiveEventTest, LeaveTheRobotWithinItsLimitsOrStopIt) {
     const PacketTrouble done = wire.done();
     EXPECT_EQ(done.doubled > 0, trouble.doubled > 0);
     EXPECT_EQ(done.late > 0, trouble.late > 0);
-    int tripped_ms = 0;
+    int tripped_ms = 0;  // of the robot's clock, a sample each
     for (const report::Sample& sample : record.samples) {
       EXPECT_LE(sample.tip_mm, gap_plan().target_depth.value + 2.0);
       EXPECT_LE(std::abs(sample.drive_kV), 8.0);

@@ -1,9 +1,14 @@
-// What the tests in real time excuse: delays of this machine, and nothing else. Inputs: sentences of the
-// supervisor's table and of none of its hazards.
+// What the tests in real time excuse: delays of this machine, and nothing else; and how a slowed clock
+// judges. Inputs: sentences of the supervisor's table and of none of its hazards; the kernel's uptime, which
+// no library slows.
 #include "tests/robot/live/steady_host.hpp"
 
 #include <gtest/gtest-spi.h>
 #include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <thread>
 
 #include "robot/cycle/stop_cause.hpp"
 
@@ -34,6 +39,43 @@ TEST(SteadyHost, FailsAtOnceForWhatIsNoDelay) {
   };
   EXPECT_NONFATAL_FAILURE(on_a_steady_host(never_ready), "not for a delay");
   EXPECT_EQ(trials, 1);
+}
+
+double uptime_s() {
+  double seconds = 0.0;
+  std::ifstream("/proc/uptime") >> seconds;
+  return seconds;
+}
+
+// What the process prints is not this test's: ctest takes "SKIPPED" in it for a result.
+Judged judge_quietly() {
+  ::testing::internal::CaptureStdout();
+  const Judged judged = judge_with_slowed_clock();
+  ::testing::internal::GetCapturedStdout();
+  return judged;
+}
+
+TEST(SlowedClock, TakesFourTimesAsLong) {
+  if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
+  if (!is_clock_slowed()) {
+    EXPECT_EQ(judge_with_slowed_clock(), Judged::Passed);
+    return;
+  }
+  const double from_s = uptime_s();
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // what is measured
+  EXPECT_GT(uptime_s() - from_s, 0.35);
+}
+
+TEST(SlowedClock, PassesNothingThatFails) {
+  if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
+  if (is_clock_slowed()) FAIL() << "as it should here";
+  EXPECT_EQ(judge_quietly(), Judged::Failed);
+}
+
+TEST(SlowedClock, SaysWhatItCouldNotJudgeEither) {
+  if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
+  if (is_clock_slowed()) GTEST_SKIP() << "not judged";
+  EXPECT_EQ(judge_quietly(), Judged::NotJudged);
 }
 
 }  // namespace
