@@ -14,6 +14,7 @@
 #include "robot/common/ed25519.hpp"
 #include "robot/live/session/live_session.hpp"
 #include "robot/procedure/case/case.hpp"
+#include "robot/procedure/operator.hpp"
 #include "robot/procedure/rehearsal.hpp"
 #include "robot/recorder/verify.hpp"
 #include "tests/robot/live/in_time.hpp"
@@ -162,6 +163,16 @@ INSTANTIATE_TEST_SUITE_P(Some, LostPacketsLiveEventTest,
                            return std::to_string(std::get<0>(given.param)) + "InAThousand";
                          });
 
+// Its one image takes seconds, not as long as a scan.
+const robot::PreparedCase& short_case() {
+  static const robot::PreparedCase prepared = [] {
+    robot::PreparedCase changed = gap_case();
+    changed.given.rehearsal.scan = robot::kFastScan;
+    return changed;
+  }();
+  return prepared;
+}
+
 // Repeated packets are dropped where they arrive, and change nothing. Those that come behind the next one are
 // too late for it: a few are missed like lost ones, more of them stop the robot.
 class TroubledPacketsLiveEventTest : public ::testing::TestWithParam<std::pair<std::string, PacketTrouble>> {
@@ -173,13 +184,13 @@ TEST_P(TroubledPacketsLiveEventTest, LeaveTheRobotWithinItsLimitsOrStopIt) {
     const PacketTrouble& trouble = GetParam().second;
     const ScratchFolder folder;
     BadWire wire(folder.path());
-    robot::LiveSession session(plain(), "sim", {}, gap_case(), folder.path());
+    robot::LiveSession session(plain(), "sim", {}, short_case(), folder.path());
     session.wait_until_healthy();
     session.send_plan(gap_plan());
     wire.set(trouble);
     const report::RunRecord record =
         robot::rehearse_on([&](const robot::OperatorInputs& inputs) { return session.robot().tick(inputs); },
-                           gap_case(), folder.path(), [](double, const std::string&) {});
+                           short_case(), folder.path(), [](double, const std::string&) {});
     wire.set({});
     session.stop();
     const PacketTrouble done = wire.done();

@@ -48,14 +48,16 @@ inline bool names_a_delay(const std::string& kept_by, double worst_ms) {
 // meanwhile, and once where no clock saw that; the second time it fails. Any other reason fails at once. Kept
 // away in every trial, the test is repeated with a slowed clock unless it asserts a deadline; kept away there
 // too, it is skipped and says so. What the trial expects is never excused: a failure counts at once.
+// True where a trial met its claim in this process.
 template <class Trial>
-void on_a_steady_host(Asserts asserts, const Trial& trial) {
+bool on_a_steady_host(Asserts asserts, const Trial& trial) {
   const bool may_slow = asserts == Asserts::Order && can_slow_the_clock() && !is_clock_slowed();
   std::string told;
   for (int n = 0, unseen = 0; n < (may_slow ? kBeforeSlowing : kTrials); ++n) {
     const HostWatch host;
     const std::string kept_by = trial();
-    if (kept_by.empty() || ::testing::Test::HasFailure()) return;
+    if (::testing::Test::HasFailure()) return false;
+    if (kept_by.empty()) return true;
     const std::string trial_told =
         fmt::format("trial {}, this machine {} ({:.1f} ms late at most): {}\n", n + 1,
                     host.stalls() > 0 ? "stood still" : "was steady", host.worst_ms(), kept_by);
@@ -63,25 +65,29 @@ void on_a_steady_host(Asserts asserts, const Trial& trial) {
     told += trial_told;
     if (!names_a_delay(kept_by, host.worst_ms())) {
       ADD_FAILURE() << "not for a delay: " << told;
-      return;
+      return false;
     }
     if (may_slow && host.stalls() >= kHopeless) break;
     if (host.stalls() > 0) continue;
     ::testing::Test::RecordProperty("stopped_on_a_steady_host", ++unseen);
     if (unseen > kUnseenStalls) {
       ADD_FAILURE() << told;
-      return;
+      return false;
     }
   }
   const Judged judged = may_slow ? judge_with_slowed_clock() : Judged::NotJudged;
-  if (judged == Judged::NotJudged) GTEST_SKIP() << "not judged:\n" << told;
-  fmt::print("{}\n", kJudgedWithSlowedClock);
-  EXPECT_EQ(judged, Judged::Passed) << kJudgedWithSlowedClock;
+  if (judged == Judged::NotJudged) {
+    [&] { GTEST_SKIP() << "not judged:\n" << told; }();
+  } else {
+    fmt::print("{}\n", kJudgedWithSlowedClock);
+    EXPECT_EQ(judged, Judged::Passed) << kJudgedWithSlowedClock;
+  }
+  return false;
 }
 
 template <class Trial>
-void on_a_steady_host(const Trial& trial) {
-  on_a_steady_host(Asserts::Order, trial);
+bool on_a_steady_host(const Trial& trial) {
+  return on_a_steady_host(Asserts::Order, trial);
 }
 
 }  // namespace biopsy::live_tests
