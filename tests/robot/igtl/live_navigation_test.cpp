@@ -273,7 +273,7 @@ std::string bear_hostile_clients() {
 }
 
 TEST(LiveNavigation, HostileClientsCostTheLoopNothing) {
-  live_tests::on_a_steady_host(bear_hostile_clients);
+  live_tests::on_a_steady_host(live_tests::Asserts::Deadline, bear_hostile_clients);
 }
 
 }  // namespace

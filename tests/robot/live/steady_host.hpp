@@ -14,8 +14,8 @@
 
 namespace biopsy::live_tests {
 
-// What a trial asserts of time: that things come in their order, which holds at any speed of the clock, or a
-// deadline too.
+// What a trial asserts of time: that things come in their order, which holds at any speed of the clock; or a
+// deadline, or what the processors bear.
 enum class Asserts { Order, Deadline };
 
 constexpr int kTrials = 4;

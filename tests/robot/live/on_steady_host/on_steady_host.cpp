@@ -1,6 +1,6 @@
 // on_steady_host COMMAND [ARGUMENT ...]: runs a command that judges a robot in real time, and watches this
 // machine meanwhile. The exit code is the command's; but 77, "not judged", where it failed, or came to no end
-// in three minutes, on a machine that stood still so often that three tries of ten seconds all meet a stall
+// in two minutes, on a machine that stood still so often that three tries of ten seconds all meet a stall
 // in more than one case of twenty. A command that ends with 4 says that its failure is not one of time: that
 // is judged on any machine.
 #include <fmt/format.h>
@@ -19,7 +19,7 @@ namespace biopsy::live_tests {
 namespace {
 
 constexpr double kOften_s = 20.0;  // between stalls: (1 - exp(-10 / 20))^3 = 0.06
-constexpr double kPatience_s = 180.0, kToEnd_s = 15.0;
+constexpr double kPatience_s = 120.0, kToEnd_s = 15.0;
 constexpr int kNotJudged = 77, kNotOfTime = 4;
 
 pid_t group = 0;  // the command's
