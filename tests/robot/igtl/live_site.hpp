@@ -162,8 +162,12 @@ struct Site {
     for (auto waited = 0ms; waited < patience && !holds(); waited += 5ms) std::this_thread::sleep_for(5ms);
     return holds();
   }
+  // A robot that tripped is not waited for, once it was safe.
   bool in(Mode mode, std::chrono::milliseconds patience = 20s) const {
-    return wait(patience, [&] { return person->mode == mode; });
+    const auto ended = [&] {
+      return person->mode == mode || (mode != Mode::Safe && person->mode == Mode::Trip);
+    };
+    return wait(patience, ended) && person->mode == mode;
   }
   std::string kept(const std::string& what) const {
     return fmt::format("{} but in {}; {}", what, safety::name_of(person->mode.load()),

@@ -198,7 +198,8 @@ TEST_P(TroubledPacketsLiveEventTest, LeaveTheRobotWithinItsLimitsOrStopIt) {
     const PacketTrouble done = wire.done();
     EXPECT_EQ(done.doubled > 0, trouble.doubled > 0);
     EXPECT_EQ(done.late > 0, trouble.late > 0);
-    int tripped_ms = 0;  // of the robot's clock, a sample each
+    int tripped_ms =
+        0;  // by the robot's clock, a sample each; what that takes is asserted of killed processes
     for (const report::Sample& sample : record.samples) {
       EXPECT_LE(sample.tip_mm, gap_plan().target_depth.value + 2.0);
       EXPECT_LE(std::abs(sample.drive_kV), 8.0);
@@ -209,8 +210,9 @@ TEST_P(TroubledPacketsLiveEventTest, LeaveTheRobotWithinItsLimitsOrStopIt) {
       if (::testing::Test::HasFailure()) break;
     }
     const bool completed = record.outcome == report::Outcome::Completed;
+    if (!completed && trouble.late == 0) return "the procedure was stopped: " + record.refusal;
     RecordProperty(GetParam().first + "_completed", completed ? 1 : 0);
-    return completed || trouble.late > 0 ? "" : "the procedure was stopped: " + record.refusal;
+    return {};
   });
 }
 

@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <condition_variable>
 #include <fstream>
+#include <mutex>
 #include <thread>
 
 #include "robot/cycle/stop_cause.hpp"
@@ -47,14 +49,6 @@ double uptime_s() {
   return seconds;
 }
 
-// What the process prints is not this test's: ctest takes "SKIPPED" in it for a result.
-Judged judge_quietly() {
-  ::testing::internal::CaptureStdout();
-  const Judged judged = judge_with_slowed_clock();
-  ::testing::internal::GetCapturedStdout();
-  return judged;
-}
-
 TEST(SlowedClock, TakesFourTimesAsLong) {
   if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
   if (!is_clock_slowed()) {
@@ -69,13 +63,27 @@ TEST(SlowedClock, TakesFourTimesAsLong) {
 TEST(SlowedClock, PassesNothingThatFails) {
   if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
   if (is_clock_slowed()) FAIL() << "as it should here";
-  EXPECT_EQ(judge_quietly(), Judged::Failed);
+  EXPECT_EQ(judge_with_slowed_clock(), Judged::Failed);
 }
 
 TEST(SlowedClock, SaysWhatItCouldNotJudgeEither) {
   if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
   if (is_clock_slowed()) GTEST_SKIP() << "not judged";
-  EXPECT_EQ(judge_quietly(), Judged::NotJudged);
+  EXPECT_EQ(judge_with_slowed_clock(), Judged::NotJudged);
+}
+
+TEST(SlowedClock, EndsAWaitForACondition) {
+  if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
+  if (!is_clock_slowed()) {
+    EXPECT_EQ(judge_with_slowed_clock(), Judged::Passed);
+    return;
+  }
+  std::mutex mutex;
+  std::condition_variable never;
+  std::unique_lock lock(mutex);
+  const double from_s = uptime_s();
+  EXPECT_EQ(never.wait_for(lock, std::chrono::milliseconds(100)), std::cv_status::timeout);
+  EXPECT_GT(uptime_s() - from_s, 0.35);
 }
 
 }  // namespace
