@@ -29,7 +29,7 @@ namespace biopsy::live_tests {
 
 inline constexpr std::string_view kJudgedWithSlowedClock = "judged with a clock at a quarter of its speed";
 
-enum class Judged { Passed, Failed, NotJudged };
+enum class Repeated { Passed, Failed, Skipped };
 
 inline bool is_clock_slowed() {
   return std::getenv("FAKETIME") != nullptr;
@@ -69,7 +69,7 @@ inline std::optional<int> status_of(pid_t child) {
 
 // Debian's package faketime; the times of files stay the kernel's, which are later. It does not know of waits
 // for a condition on the steady clock: slowed_waits beside the test programs does.
-inline Judged judge_with_slowed_clock() {
+inline Repeated repeat_with_slowed_clock() {
   const ::testing::TestInfo* test = ::testing::UnitTest::GetInstance()->current_test_info();
   const ScratchFolder folder;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe"),
@@ -102,24 +102,24 @@ inline Judged judge_with_slowed_clock() {
   pid_t child = -1;
   if (posix_spawnp(&child, "env", &files, &own_group, pointers(words).data(),
                    pointers(kEnvironment).data()) != 0)
-    return Judged::NotJudged;
+    return Repeated::Skipped;
   const std::optional<int> status = status_of(child);
   const std::string told = read_file_if_present(result);
   const bool ran =
       status && (WIFEXITED(*status) && WEXITSTATUS(*status) < 125);  // faketime and env could run it
   const bool skipped = told.find("\"result\": \"SKIPPED\"") != std::string::npos;
-  const Judged judged = !ran || skipped                                               ? Judged::NotJudged
-                        : WEXITSTATUS(*status) != 0                                   ? Judged::Failed
-                        : told.find("\"result\": \"COMPLETED\"") == std::string::npos ? Judged::Failed
-                                                                                      : Judged::Passed;
-  if (judged != Judged::NotJudged) fmt::print("{}\n", kJudgedWithSlowedClock);
+  const Repeated repeated = !ran || skipped                                               ? Repeated::Skipped
+                            : WEXITSTATUS(*status) != 0                                   ? Repeated::Failed
+                            : told.find("\"result\": \"COMPLETED\"") == std::string::npos ? Repeated::Failed
+                                                                                          : Repeated::Passed;
+  if (repeated != Repeated::Skipped) fmt::print("{}\n", kJudgedWithSlowedClock);
   // Marked, since ctest reads "SKIPPED" as the result of the test that it runs.
   std::istringstream lines(read_file_if_present(said));
   for (std::string line; std::getline(lines, line);) {
     if (const std::size_t at = line.find("SKIPPED"); at != std::string::npos) line.replace(at, 7, "skipped");
     fmt::print("| {}\n", line);
   }
-  return judged;
+  return repeated;
 }
 
 }  // namespace biopsy::live_tests

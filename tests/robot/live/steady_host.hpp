@@ -76,11 +76,11 @@ bool on_a_steady_host(Asserts asserts, const Trial& trial) {
       return false;
     }
   }
-  const Judged judged = two_clocks && !is_clock_slowed() ? judge_with_slowed_clock() : Judged::NotJudged;
-  if (judged == Judged::NotJudged) {
+  const Repeated repeated = two_clocks && !is_clock_slowed() ? repeat_with_slowed_clock() : Repeated::Skipped;
+  if (repeated == Repeated::Skipped) {
     [&] { GTEST_SKIP() << "not judged:\n" << told; }();
   } else {
-    EXPECT_EQ(judged, Judged::Passed) << kJudgedWithSlowedClock;
+    EXPECT_EQ(repeated, Repeated::Passed) << kJudgedWithSlowedClock;
   }
   return false;
 }

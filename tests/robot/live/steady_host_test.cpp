@@ -52,7 +52,7 @@ double uptime_s() {
 TEST(SlowedClock, TakesFourTimesAsLong) {
   if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
   if (!is_clock_slowed()) {
-    EXPECT_EQ(judge_with_slowed_clock(), Judged::Passed);
+    EXPECT_EQ(repeat_with_slowed_clock(), Repeated::Passed);
     return;
   }
   const double from_s = uptime_s();
@@ -63,19 +63,19 @@ TEST(SlowedClock, TakesFourTimesAsLong) {
 TEST(SlowedClock, PassesNothingThatFails) {
   if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
   if (is_clock_slowed()) FAIL() << "as it should here";
-  EXPECT_EQ(judge_with_slowed_clock(), Judged::Failed);
+  EXPECT_EQ(repeat_with_slowed_clock(), Repeated::Failed);
 }
 
 TEST(SlowedClock, SaysWhatItCouldNotJudgeEither) {
   if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
   if (is_clock_slowed()) GTEST_SKIP() << "not judged";
-  EXPECT_EQ(judge_with_slowed_clock(), Judged::NotJudged);
+  EXPECT_EQ(repeat_with_slowed_clock(), Repeated::Skipped);
 }
 
 TEST(SlowedClock, EndsAWaitForACondition) {
   if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
   if (!is_clock_slowed()) {
-    EXPECT_EQ(judge_with_slowed_clock(), Judged::Passed);
+    EXPECT_EQ(repeat_with_slowed_clock(), Repeated::Passed);
     return;
   }
   std::mutex mutex;
