@@ -1,8 +1,8 @@
-// on_steady_host COMMAND [ARGUMENT ...]: runs a command that judges a robot in real time, and watches this
-// machine meanwhile. The exit code is the command's; but 77, "not judged", where it failed, or came to no end
-// in two minutes, on a machine that stood still so often that three tries of ten seconds all meet a stall
-// in more than one case of twenty. A command that ends with 4 says that its failure is not one of time: that
-// is judged on any machine.
+// on_steady_host [--patience S] COMMAND [ARGUMENT ...]: runs a command that judges a robot in real time, and
+// watches this machine meanwhile. The exit code is the command's; but 77, "not judged", where it failed, or
+// came to no end in S seconds (120), on a machine that stood still so often that three tries of ten seconds
+// all meet a stall in more than one case of twenty. A command that ends with 4 says that its failure is not
+// one of time: that is judged on any machine.
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -10,6 +10,8 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
+#include <string_view>
 #include <thread>
 
 #include "robot/live/realtime/tick_clock.hpp"
@@ -19,7 +21,7 @@ namespace biopsy::live_tests {
 namespace {
 
 constexpr double kOften_s = 20.0;  // between stalls: (1 - exp(-10 / 20))^3 = 0.06
-constexpr double kPatience_s = 120.0, kToEnd_s = 15.0;
+constexpr double kPatience_s = 120.0, kPatienceMax_s = 3600.0, kToEnd_s = 15.0;
 constexpr int kNotJudged = 77, kNotOfTime = 4;
 
 pid_t group = 0;  // the command's
@@ -37,7 +39,7 @@ bool ends(pid_t child, int& status, const auto& goes_on) {
   return true;
 }
 
-int run(char* const* command) {
+int run(char* const* command, double patience_s) {
   pid_t child = -1;
   posix_spawnattr_t own_group;
   posix_spawnattr_init(&own_group);
@@ -54,7 +56,7 @@ int run(char* const* command) {
   const HostWatch host;
   const auto is_steady = [&] { return host.stalls() * kOften_s < seconds(); };
   int status = 0;
-  const bool ended = ends(child, status, [&] { return seconds() < kPatience_s || is_steady(); });
+  const bool ended = ends(child, status, [&] { return seconds() < patience_s || is_steady(); });
   const bool steady = is_steady();
   fmt::print("this machine stood still {} times in {:.0f} s, for {:.1f} ms at most\n", host.stalls(),
              seconds(), host.worst_ms());
@@ -76,7 +78,12 @@ int run(char* const* command) {
 }  // namespace biopsy::live_tests
 
 int main(int count, char** words) {
-  if (count > 1) return biopsy::live_tests::run(words + 1);
-  fmt::print(stderr, "usage: on_steady_host COMMAND [ARGUMENT ...]\n");
+  using namespace biopsy::live_tests;
+  const bool has_patience = count > 3 && std::string_view(words[1]) == "--patience";
+  const double patience_s = has_patience ? std::atof(words[2]) : kPatience_s;
+  if (count > 1 && patience_s > 0.0 && patience_s <= kPatienceMax_s)
+    return run(words + (has_patience ? 3 : 1), patience_s);
+  fmt::print(stderr, "usage: on_steady_host [--patience S] COMMAND [ARGUMENT ...], S up to {:g} s\n",
+             kPatienceMax_s);
   return 2;
 }
