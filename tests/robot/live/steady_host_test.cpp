@@ -66,6 +66,12 @@ TEST(SlowedClock, PassesNothingThatFails) {
   EXPECT_EQ(repeat_with_slowed_clock(), Repeated::Failed);
 }
 
+TEST(SlowedClock, PassesNothingThatEndsWithoutAResult) {
+  if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
+  if (is_clock_slowed()) std::_Exit(0);
+  EXPECT_EQ(repeat_with_slowed_clock(), Repeated::Failed);
+}
+
 TEST(SlowedClock, SaysWhatItCouldNotJudgeEither) {
   if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
   if (is_clock_slowed()) GTEST_SKIP() << "not judged";
