@@ -26,6 +26,7 @@ struct McapRecording : testing::Test {
   transport::Writer<Measurement> measurements{bus};
   transport::Writer<Decision> decisions{bus};
   transport::Writer<SealedPlan> plans{bus};
+  transport::Reader<Decision> heard{bus};
   std::int64_t now_us = 1'000'000;
 
   void turn(McapRecorder& recorder) {
@@ -35,15 +36,20 @@ struct McapRecording : testing::Test {
   // Until the readers are matched, which takes as long as it takes; bounded.
   void wait_for_readers() {
     for (int n = 0;
-         n < 2'000 && (measurements.readers() == 0 || decisions.readers() == 0 || plans.readers() == 0); ++n)
+         n < 2'000 && (measurements.readers() == 0 || decisions.readers() < 2 || plans.readers() == 0); ++n)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  // A measurement and a decision a tick; in tick 123 the supervisor trips for one tick.
+  // A measurement and a decision a tick; in tick 123 the supervisor trips for one tick. No faster than the
+  // bus delivers, which keeps the newest only for a reader that comes late: on a machine that stands still, a
+  // few.
   void say(McapRecorder& recorder, std::uint32_t ticks) {
     for (std::uint32_t tick = 1; tick <= ticks; ++tick) {
       measurements.write(
           {.seq = tick, .depth_um = static_cast<std::int32_t>(tick * 7), .verdict = GateVerdict::Granted});
       decisions.write({.seq = tick, .mode = tick == 123 ? Mode::Trip : Mode::Active});
+      Decision told;
+      for (int n = 0; n < 2'000 && told.seq != tick; ++n)
+        if (!heard.take(told)) std::this_thread::sleep_for(std::chrono::microseconds(100));
       turn(recorder);
     }
   }
