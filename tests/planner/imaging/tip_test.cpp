@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
+#include <cmath>
 #include <functional>
 
 #include "planner/imaging/depth_check/find_tip.hpp"
@@ -95,6 +97,14 @@ TEST(FindTip, FindsNothingInNoiseAndSaysANeedleWouldHaveShown) {
 TEST(FindTip, SeesThatAVoidGoesOnPastTheImagesEnd) {
   EXPECT_TRUE(found_with(scene::grid(0.8, 2.4), {300.0, 2.0}).at_end);
   EXPECT_FALSE(found_with(scene::grid(0.8, 2.4), {20.0, 2.0}).at_end);
+}
+
+// With roots as one maker's processors approximate them (rsqrtps), a depth that is barely accepted there is
+// not accepted on another's.
+TEST(FindTip, TakesSquareRootsToTheLastBit) {
+  const Eigen::ArrayXf squares = Eigen::ArrayXf::LinSpaced(10'000, 1e-4f, 30.0f);
+  const Eigen::ArrayXf roots = squares.sqrt();
+  for (Eigen::Index i = 0; i < squares.size(); ++i) ASSERT_EQ(roots[i], std::sqrt(squares[i])) << squares[i];
 }
 
 }  // namespace

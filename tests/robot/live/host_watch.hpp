@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <mutex>
 #include <numeric>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -21,6 +22,11 @@ namespace biopsy::live_tests {
 // up as one long one does, and from whoever is not above everything they take more.
 constexpr double kSteady_ms = 2.5;
 constexpr int kInARow = 10;  // wakes, 5 ms: a tick's work is late by all that was withheld since it was due
+
+// Where stalls kept a test from being judged, it may run once more with the clocks of its robot at this
+// speed.
+constexpr double kClockSpeed = 0.25;
+inline constexpr std::string_view kJudgedWithSlowedClock = "judged with a clock at a quarter of its speed";
 
 // A 2 kHz clock on every processor, above everything it judges (SCHED_FIFO 85 where permitted), while it
 // lives. One clock alone would wander to the processor that is not held up.

@@ -23,11 +23,10 @@
 #include <vector>
 
 #include "robot/common/files/file.hpp"
+#include "tests/robot/live/host_watch.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace biopsy::live_tests {
-
-inline constexpr std::string_view kJudgedWithSlowedClock = "judged with a clock at a quarter of its speed";
 
 enum class Repeated { Passed, Failed, Skipped };
 
@@ -82,7 +81,7 @@ inline Repeated repeat_with_slowed_clock() {
       "LD_PRELOAD=" + (program.parent_path() / "libslowed_waits.so").string(),
       "faketime",
       "-f",
-      "+0 x0.25",
+      fmt::format("+0 x{}", kClockSpeed),
       program.string(),
       std::string("--gtest_filter=") + test->test_suite_name() + "." + test->name(),
       "--gtest_output=json:" + result.string()};

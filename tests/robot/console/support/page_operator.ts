@@ -1,6 +1,7 @@
 // Operates the page as a person does. Waits for what the page shows, never for time.
 import { expect, type Locator, type Page } from '@playwright/test'
 
+import { slowClock, stretched } from './clock'
 import { pause } from './robot'
 import { lastEvent, nextModes, roundTrip, tap } from './tap'
 
@@ -16,7 +17,7 @@ export const kGapDepth_mm = 2.5
 export const kActsMax = 12
 export const kFurtherActsMax = 7
 
-const kSlow = { timeout: 30_000 } // on a loaded machine
+const kSlow = { timeout: stretched(30_000) } // on a loaded machine
 const kPresses = 20
 
 export class PageOperator {
@@ -25,6 +26,7 @@ export class PageOperator {
 
   // The page
   async open(): Promise<void> {
+    await slowClock(this.page)
     await tap(this.page)
     await this.page.goto(this.url)
     await expect(this.page.locator('.steps [aria-current]')).toBeVisible(kSlow)
@@ -78,7 +80,7 @@ export class PageOperator {
     await this.imageShown()
   }
   async imageShown(): Promise<void> {
-    await expect(this.page.locator('body[data-image=shown]')).toBeAttached({ timeout: 60_000 })
+    await expect(this.page.locator('body[data-image=shown]')).toBeAttached({ timeout: stretched(60_000) })
     await expect(this.page.locator('[data-tile^=large]')).toBeAttached()
   }
   // Clicks the image where this mark is drawn in the large view.
@@ -215,7 +217,7 @@ export class PageOperator {
       if ((await this.page.getByRole('checkbox').count()) > 0) await this.tickAll()
       const arm = this.page.locator('.act').first()
       expect(await arm.getByRole('button').getAttribute('aria-disabled'), await arm.innerText()).toBe('false')
-    }).toPass({ timeout: 60_000 })
+    }).toPass({ timeout: stretched(60_000) })
   }
 
   // A hold that the previous test left may run out while this one goes for the button, which is off then.
@@ -250,7 +252,7 @@ export class PageOperator {
   async reset(): Promise<void> {
     await expect(async () => {
       await this.activate(this.button('Reset'))
-      await expect(this.mode()).not.toHaveAttribute('data-mode', 'Trip', { timeout: 1000 })
+      await expect(this.mode()).not.toHaveAttribute('data-mode', 'Trip', { timeout: stretched(1000) })
     }).toPass(kSlow)
   }
 

@@ -2,6 +2,8 @@ import { execFileSync } from 'node:child_process'
 import { readFileSync } from 'node:fs'
 import { defineConfig } from '@playwright/test'
 
+import { stretched } from './clock'
+
 const baselines = process.env.BASELINES ?? 'baselines'
 const chromium = process.env.CHROMIUM ?? '/usr/bin/chromium'
 
@@ -20,15 +22,15 @@ export default defineConfig({
   workers: 1, // the robot runs in real time
   retries: 2, // a stalling host may stop a robot, but not repeatedly
   maxFailures: 1,
-  timeout: 120_000,
-  globalTimeout: process.env.SOAK_MINUTES ? 0 : 480_000,
-  expect: { timeout: 20_000, toHaveScreenshot: { ...likeness, animations: 'disabled' } },
+  timeout: stretched(120_000),
+  globalTimeout: process.env.SOAK_MINUTES ? 0 : stretched(480_000),
+  expect: { timeout: stretched(20_000), toHaveScreenshot: { ...likeness, animations: 'disabled' } },
   updateSnapshots: 'none',
   snapshotPathTemplate: `${baselines}/{arg}{ext}`,
   reporter: [['list']],
   use: {
     viewport: { width: 1920, height: 1080 },
-    actionTimeout: 30_000,
+    actionTimeout: stretched(30_000),
     launchOptions: {
       executablePath: chromium,
       args: ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-sandbox',

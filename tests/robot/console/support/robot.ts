@@ -4,12 +4,14 @@ import { closeSync, existsSync, mkdtempSync, openSync, readFileSync, rmSync } fr
 import { tmpdir } from 'node:os'
 import { join } from 'node:path'
 
+import { kClockSpeed, slowedCommand, stretched } from './clock'
+
 export const kProgram = process.env.BIOPSY ?? 'biopsy'
 export const pause = (ms: number) => new Promise((resolve) => setTimeout(resolve, ms))
 
-const kStart_ms = 60_000
-const kStop_ms = 20_000
-const kReply_ms = 10_000
+const kStart_ms = stretched(60_000)
+const kStop_ms = stretched(20_000)
+const kReply_ms = stretched(10_000)
 
 export interface Entry {
   at: number // ms since 1970
@@ -29,7 +31,8 @@ export class Robot {
     const domain = 30 + (process.pid % 200) // other builds on this machine use others
     const args = ['up', ...this.given, '--console', '--without-security', '--domain', String(domain), '--out', this.folder]
     const output = openSync(join(this.folder, '..', `${this.name()}.txt`), 'w')
-    this.up = spawn(kProgram, args, { stdio: ['ignore', output, output] })
+    const [program, ...words] = slowedCommand([kProgram, ...args])
+    this.up = spawn(program!, words, { stdio: ['ignore', output, output] })
     closeSync(output)
     await this.until(() => existsSync(this.address()) && readFileSync(this.address(), 'utf8').includes('http'), kStart_ms)
     this.url = readFileSync(this.address(), 'utf8').trim()
@@ -38,7 +41,7 @@ export class Robot {
     const up = this.up!
     if (up.exitCode === null && up.signalCode === null) {
       const ended = new Promise((resolve) => up.once('exit', resolve))
-      up.kill('SIGINT')
+      process.kill(this.programOf(up), 'SIGINT')
       if ((await Promise.race([ended, pause(kStop_ms).then(() => 'late')])) === 'late') up.kill('SIGKILL')
     }
     if (process.env.KEEP) return
@@ -46,8 +49,7 @@ export class Robot {
     rmSync(`${this.folder}.txt`, { force: true })
   }
   pid(program: string): number {
-    const children = execFileSync('ps', ['--ppid', String(this.up!.pid), '-o', 'pid=,comm=']).toString()
-    return Number(children.split('\n').find((line) => line.includes(program.slice(0, 15)))!.trim().split(' ')[0])
+    return this.childOf(this.programOf(this.up!), program)
   }
   // What `up` printed.
   output(): string {
@@ -93,6 +95,15 @@ export class Robot {
     })
   }
 
+  // `faketime` stays as the parent of what it starts, and passes no signal on.
+  private programOf(up: ChildProcess): number {
+    return kClockSpeed === 1 ? up.pid! : this.childOf(up.pid!, kProgram)
+  }
+  private childOf(parent: number, program: string): number {
+    const children = execFileSync('ps', ['--ppid', String(parent), '-o', 'pid=,comm=']).toString()
+    const name = program.split('/').at(-1)!.slice(0, 15)
+    return Number(children.split('\n').find((line) => line.includes(name))!.trim().split(' ')[0])
+  }
   private address = () => join(this.folder, 'console.url')
   private name = () => this.folder.split('/').at(-1)!
   private async until(reached: () => boolean, timeout_ms: number): Promise<void> {

@@ -1,8 +1,10 @@
-// on_steady_host [--patience S] COMMAND [ARGUMENT ...]: runs a command that judges a robot in real time, and
-// watches this machine meanwhile. The exit code is the command's; but 77, "not judged", where it failed, or
-// came to no end in S seconds (120), on a machine that stood still so often that three tries of ten seconds
-// all meet a stall in more than one case of twenty. A command that ends with 4 says that its failure is not
-// one of time: that is judged on any machine.
+// on_steady_host [--patience S] [--slowed LIBRARY] COMMAND [ARGUMENT ...]: runs a command that judges a robot
+// in real time, and watches this machine meanwhile. The exit code is the command's; but 77, "not judged",
+// where it failed, or came to no end in S seconds (120), on a machine that stood still so often that three
+// tries of ten seconds all meet a stall in more than one case of twenty. A command that ends with 4 says that
+// its failure is not one of time: that is judged on any machine. With --slowed a command that was not judged
+// runs once more, with four times the patience, and is told by CLOCK_SPEED=0.25 in its environment to slow
+// the clocks of its robot; SLOWED_WAITS is the library (slowed_waits) that this takes.
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -79,11 +81,29 @@ int run(char* const* command, double patience_s) {
 
 int main(int count, char** words) {
   using namespace biopsy::live_tests;
-  const bool has_patience = count > 3 && std::string_view(words[1]) == "--patience";
-  const double patience_s = has_patience ? std::atof(words[2]) : kPatience_s;
-  if (count > 1 && patience_s > 0.0 && patience_s <= kPatienceMax_s)
-    return run(words + (has_patience ? 3 : 1), patience_s);
-  fmt::print(stderr, "usage: on_steady_host [--patience S] COMMAND [ARGUMENT ...], S up to {:g} s\n",
-             kPatienceMax_s);
-  return 2;
+  double patience_s = kPatience_s;
+  const char* slowed = nullptr;
+  int at = 1;
+  for (; at + 2 < count; at += 2) {
+    if (std::string_view(words[at]) == "--patience")
+      patience_s = std::atof(words[at + 1]);
+    else if (std::string_view(words[at]) == "--slowed")
+      slowed = words[at + 1];
+    else
+      break;
+  }
+  if (at >= count || !(patience_s > 0.0 && patience_s <= kPatienceMax_s)) {
+    fmt::print(
+        stderr,
+        "usage: on_steady_host [--patience S] [--slowed LIBRARY] COMMAND [ARGUMENT ...], S up to {:g} s\n",
+        kPatienceMax_s);
+    return 2;
+  }
+  const int code = run(words + at, patience_s);
+  if (code != kNotJudged || slowed == nullptr) return code;
+  setenv("CLOCK_SPEED", fmt::format("{}", kClockSpeed).c_str(), 1);
+  setenv("SLOWED_WAITS", slowed, 1);
+  const int again = run(words + at, patience_s / kClockSpeed);
+  if (again != kNotJudged) fmt::print("{}\n", kJudgedWithSlowedClock);
+  return again;
 }
