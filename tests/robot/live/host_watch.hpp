@@ -28,6 +28,29 @@ constexpr int kInARow = 10;  // wakes, 5 ms: a tick's work is late by all that w
 constexpr double kClockSpeed = 0.25;
 inline constexpr std::string_view kJudgedWithSlowedClock = "judged with a clock at a quarter of its speed";
 
+// Short stalls that stop a robot together: R-24 does so for three periods that were left out within 100 ms,
+// each by a tick of the stage that came 0.75 ms late or more.
+class LeftOutPeriods {
+ public:
+  static constexpr std::int64_t kLate_ns = 250'000;  // what a clock of 2 kHz feels of 0.75 ms at least
+
+  // Whether they are three with this wake, which was as late as that.
+  bool with(std::int64_t woke_ns) {
+    constexpr std::size_t kMost = 3;
+    constexpr std::int64_t kPeriod_ns = 1'000'000, kWithin_ns = 100'000'000;
+    if (!at_ns_.empty() && woke_ns - at_ns_.back() < kPeriod_ns)
+      return false;  // the same, on another processor
+    std::erase_if(at_ns_, [&](std::int64_t before_ns) { return woke_ns - before_ns > kWithin_ns; });
+    at_ns_.push_back(woke_ns);
+    const bool stops = at_ns_.size() >= kMost;
+    if (stops) at_ns_.clear();
+    return stops;
+  }
+
+ private:
+  std::vector<std::int64_t> at_ns_;
+};
+
 // A 2 kHz clock on every processor, above everything it judges (SCHED_FIFO 85 where permitted), while it
 // lives. One clock alone would wander to the processor that is not held up.
 class HostWatch {
@@ -37,11 +60,13 @@ class HostWatch {
       threads_.emplace_back([this, cpu](std::stop_token stop) { watch(stop, cpu); });
   }
   double worst_ms() const { return static_cast<double>(worst_ns_.load()) * 1e-6; }
-  int stalls() const { return stalls_; }  // longer than kSteady_ms in a row, on any processor
+  // Longer than kSteady_ms in a row on any processor, or as many short ones as stop a robot.
+  int stalls() const { return stalls_; }
   void reset() {
     const std::scoped_lock lock(mutex_);
     worst_ns_ = stalls_ = 0;
     late_.clear();
+    left_out_ = {};
   }
   // The worst that any processor was late by between two moments of CLOCK_MONOTONIC.
   double worst_ms_between(std::int64_t from_us, std::int64_t to_us) const {
@@ -69,6 +94,10 @@ class HostWatch {
     const std::int64_t withheld_ns =
         std::accumulate(recent.withheld_ns.begin(), recent.withheld_ns.end(), std::int64_t{0});
     if (static_cast<double>(withheld_ns + kOrdinary_ns) > kSteady_ms * 1e6) ++stalls_, recent = {};
+    if (wake.late_ns() >= LeftOutPeriods::kLate_ns) {
+      const std::scoped_lock lock(mutex_);
+      if (left_out_.with(wake.woke_ns)) ++stalls_;
+    }
     if (wake.late_ns() > kWorthKeeping_ns) {
       const std::scoped_lock lock(mutex_);
       late_.push_back(wake);
@@ -87,6 +116,7 @@ class HostWatch {
 
   mutable std::mutex mutex_;
   std::vector<realtime::Wake> late_;
+  LeftOutPeriods left_out_;
   std::atomic<std::int64_t> worst_ns_{0};
   std::atomic<int> stalls_{0};
   std::vector<std::jthread> threads_;

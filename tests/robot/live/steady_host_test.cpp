@@ -43,6 +43,20 @@ TEST(SteadyHost, FailsAtOnceForWhatIsNoDelay) {
   EXPECT_EQ(trials, 1);
 }
 
+// Moments by hand, in ms; R-24's own rule is claimed where the supervisor's is.
+TEST(SteadyHost, SeesThreeShortStallsThatStopARobotTogether) {
+  const auto last_of = [](std::vector<double> wakes_ms) {
+    LeftOutPeriods periods;
+    bool last = false;
+    for (const double ms : wakes_ms) last = periods.with(static_cast<std::int64_t>(ms * 1e6));
+    return last;
+  };
+  EXPECT_TRUE(last_of({5, 45, 104}));
+  EXPECT_FALSE(last_of({5, 45, 106})) << "the first is over";
+  EXPECT_FALSE(last_of({5, 5.4, 60})) << "one stall, felt on two processors";
+  EXPECT_FALSE(last_of({5, 45, 60, 70})) << "the fourth is the first of others";
+}
+
 double uptime_s() {
   double seconds = 0.0;
   std::ifstream("/proc/uptime") >> seconds;
