@@ -50,9 +50,9 @@ class NotJudged(unittest.TestCase):
         self.assertEqual(run(20, 5, said="needs a board")[0], 0)
 
     def test_what_a_slowed_clock_judged_is_named_and_counts(self):
-        said = "not judged\njudged with a clock at a quarter of its speed"
+        said = "not judged\njudged with a slowed clock"
         self.assertEqual(run(3, 0, ran_and_said=said), (0, "".join(
-            f"judged with a clock at a quarter of its speed: Live.{n}\n" for n in range(3)) + "tests in real time: 3, not judged: 0\n"))
+            f"judged with a slowed clock: Live.{n}\n" for n in range(3)) + "tests in real time: 3, not judged: 0\n"))
         self.assertEqual(run(3, 3, said=said)[0], 3)
 
     def test_without_tests_in_real_time_there_is_nothing_to_judge(self):

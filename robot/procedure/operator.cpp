@@ -116,12 +116,13 @@ void Operator::follow(const CycleRecord& seen, std::int64_t tick) {
       go(Phase::Withdraw, tick);
       break;
     case Phase::Arm:
+      if (seen.supervisor.worst != safety::Hazard::None)
+        refused_by_ = hazard_text(seen.supervisor.worst, seen.panel_unread_ms);
       if (waited <= kThink_ticks) break;
       // A moment's hazard refuses an arming, and the key must be turned again.
       if (mode == Mode::Armed || ++repeated_presses_ <= kPressesMax)
         return go(mode == Mode::Armed ? Phase::Press : Phase::WaitReady, tick);
-      give_up(fmt::format("arming was refused {} times; now: {}", kPressesMax + 1,
-                          hazard_text(seen.supervisor.worst, seen.panel_unread_ms)));
+      give_up(fmt::format("arming was refused {} times; last by: {}", kPressesMax + 1, refused_by_));
       go(Phase::Withdraw, tick);
       break;
     case Phase::Press:

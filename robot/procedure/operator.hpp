@@ -70,6 +70,7 @@ class Operator {
   std::int32_t patient_motion_um_ = 0;
   bool accepted_ = false, completed_ = false;
   int repeated_presses_ = 0, repeated_images_ = 0;
+  std::string refused_by_ = "no hazard that was told";  // the last arming
   std::string ended_because_;  // the robot ended the insertion; empty while it did not
   std::string stopped_because_;
 };

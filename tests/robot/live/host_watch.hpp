@@ -23,10 +23,9 @@ namespace biopsy::live_tests {
 constexpr double kSteady_ms = 2.5;
 constexpr int kInARow = 10;  // wakes, 5 ms: a tick's work is late by all that was withheld since it was due
 
-// Where stalls kept a test from being judged, it may run once more with the clocks of its robot at this
-// speed.
-constexpr double kClockSpeed = 0.25;
-inline constexpr std::string_view kJudgedWithSlowedClock = "judged with a clock at a quarter of its speed";
+// Where stalls kept a test from being judged, it is repeated with the clocks of its robot at these speeds.
+inline constexpr std::array kClockSpeeds{0.25, 0.125};
+inline constexpr std::string_view kJudgedWithSlowedClock = "judged with a slowed clock";
 
 // Short stalls that stop a robot together: R-24 does so for three periods that were left out within 100 ms,
 // each by a tick of the stage that came 0.75 ms late or more.

@@ -1,7 +1,7 @@
-// The present test once more, alone, as a process with a clock at a quarter of its speed, and so all
-// processes that it starts: where a machine stands still for 10 ms, their clock does so for 2.5 ms. The
-// programs and their messages are the same; every time that is asserted is stretched four times, so that a
-// test whose claim is a time is not judged so.
+// The present test once more, alone, as a process with a slowed clock, and so all processes that it starts:
+// where a machine stands still for 10 ms, a clock at a quarter of its speed does so for 2.5 ms. The programs
+// and their messages are the same; every time that is asserted is stretched four times, so that a test whose
+// claim is a time is not judged so.
 #pragma once
 
 #include <fcntl.h>
@@ -34,6 +34,10 @@ inline bool is_clock_slowed() {
   return std::getenv("FAKETIME") != nullptr;
 }
 
+inline bool is_clock_slowest() {
+  return is_clock_slowed() && std::getenv("FAKETIME") == fmt::format("+0 x{}", kClockSpeeds.back());
+}
+
 // Sanitizers bear no library that is loaded before theirs, as faketime's is.
 constexpr bool can_slow_the_clock() {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -52,13 +56,14 @@ inline const std::vector<std::string> kEnvironment = [] {
   return all;
 }();
 
-// Ends a process group before the time limit of ctest does; its status, or nothing.
-inline std::optional<int> status_of(pid_t child) {
-  constexpr auto kPatience = std::chrono::seconds(480);
+using Moment = std::chrono::steady_clock::time_point;
+
+// Its status, or nothing where it had to be ended, with all that it had started.
+inline std::optional<int> status_of(pid_t child, Moment until) {
   int status = 0;
-  for (const auto from = std::chrono::steady_clock::now(); waitpid(child, &status, WNOHANG) == 0;) {
+  while (waitpid(child, &status, WNOHANG) == 0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    if (std::chrono::steady_clock::now() - from < kPatience) continue;
+    if (std::chrono::steady_clock::now() < until) continue;
     kill(-child, SIGKILL);
     waitpid(child, &status, 0);
     return std::nullopt;
@@ -68,7 +73,7 @@ inline std::optional<int> status_of(pid_t child) {
 
 // Debian's package faketime; the times of files stay the kernel's, which are later. It does not know of waits
 // for a condition on the steady clock: slowed_waits beside the test programs does.
-inline Repeated repeat_with_slowed_clock() {
+inline Repeated repeat_with_clock_at(double speed, Moment until) {
   const ::testing::TestInfo* test = ::testing::UnitTest::GetInstance()->current_test_info();
   const ScratchFolder folder;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe"),
@@ -81,7 +86,7 @@ inline Repeated repeat_with_slowed_clock() {
       "LD_PRELOAD=" + (program.parent_path() / "libslowed_waits.so").string(),
       "faketime",
       "-f",
-      fmt::format("+0 x{}", kClockSpeed),
+      fmt::format("+0 x{}", speed),
       program.string(),
       std::string("--gtest_filter=") + test->test_suite_name() + "." + test->name(),
       "--gtest_output=json:" + result.string()};
@@ -102,7 +107,7 @@ inline Repeated repeat_with_slowed_clock() {
   if (posix_spawnp(&child, "env", &files, &own_group, pointers(words).data(),
                    pointers(kEnvironment).data()) != 0)
     return Repeated::Skipped;
-  const std::optional<int> status = status_of(child);
+  const std::optional<int> status = status_of(child, until);
   const std::string told = read_file_if_present(result);
   const bool ran =
       status && WIFEXITED(*status) && WEXITSTATUS(*status) < 125;  // faketime and env could run it
@@ -114,7 +119,7 @@ inline Repeated repeat_with_slowed_clock() {
     repeated = Repeated::Skipped;
   else if (*status == 0 && has("COMPLETED"))
     repeated = Repeated::Passed;
-  if (repeated != Repeated::Skipped) fmt::print("{}\n", kJudgedWithSlowedClock);
+  if (repeated != Repeated::Skipped) fmt::print("{}, at {:g} of its speed\n", kJudgedWithSlowedClock, speed);
   // Marked, since ctest reads "SKIPPED" as the result of the test that it runs.
   std::istringstream lines(read_file_if_present(said));
   for (std::string line; std::getline(lines, line);) {
@@ -122,6 +127,15 @@ inline Repeated repeat_with_slowed_clock() {
     fmt::print("| {}\n", line);
   }
   return repeated;
+}
+
+// At the first speed that judges it. Ends before the time limit of ctest does.
+inline Repeated repeat_with_slowed_clock() {
+  const Moment until = std::chrono::steady_clock::now() + std::chrono::seconds(480);
+  for (const double speed : kClockSpeeds)
+    if (const Repeated repeated = repeat_with_clock_at(speed, until); repeated != Repeated::Skipped)
+      return repeated;
+  return Repeated::Skipped;
 }
 
 }  // namespace biopsy::live_tests

@@ -168,7 +168,7 @@ TEST(Operator, RepeatsAnUnsureImageOnce) {
 }
 
 TEST(Operator, ArmsAgainAfterARefusalAndSaysSoWhereItIsNeverArmed) {
-  const auto ends = [](int refused) {
+  const auto ends = [](int refused, std::int64_t hazard_until = 0) {
     Plan plan;
     plan.steps.resize(1);
     Operator script(plan, kFastScan);
@@ -176,7 +176,9 @@ TEST(Operator, ArmsAgainAfterARefusalAndSaysSoWhereItIsNeverArmed) {
     robot.arms_refused = refused;
     CycleRecord seen;
     for (std::int64_t number = 0; number < 20'000 && !script.done(); ++number) {
-      seen = robot.tick(script.act(seen, number));
+      const OperatorInputs inputs = script.act(seen, number);
+      robot.worst = inputs.arm && number < hazard_until ? safety::Hazard::LoopOverrun : safety::Hazard::None;
+      seen = robot.tick(inputs);
       script.observe(seen);
     }
     EXPECT_TRUE(script.done());
@@ -184,7 +186,10 @@ TEST(Operator, ArmsAgainAfterARefusalAndSaysSoWhereItIsNeverArmed) {
   };
   EXPECT_EQ(ends(1), "completed");
   EXPECT_EQ(ends(4), "completed");
-  EXPECT_EQ(ends(1'000), "arming was refused 6 times; now: none");
+  EXPECT_EQ(ends(1'000), "arming was refused 6 times; last by: no hazard that was told");
+  EXPECT_EQ(ends(1'000, 1'000), "arming was refused 6 times; last by: " +
+                                    std::string(safety::name_of(safety::Hazard::LoopOverrun)))
+      << "a hazard of a moment, gone when the operator gives up";
 }
 
 TEST(Operator, WithdrawsAfterARejectedImage) {

@@ -107,9 +107,9 @@ int main(int count, char** words) {
   }
   const int code = run(words + at, patience_s, slowed != nullptr);
   if (code != kNotJudged || slowed == nullptr) return code;
-  setenv("CLOCK_SPEED", fmt::format("{}", kClockSpeed).c_str(), 1);
+  setenv("CLOCK_SPEED", fmt::format("{}", kClockSpeeds.front()).c_str(), 1);
   setenv("SLOWED_WAITS", slowed, 1);
-  const int again = run(words + at, patience_s / kClockSpeed, false);
+  const int again = run(words + at, patience_s / kClockSpeeds.front(), false);
   if (again != kNotJudged) fmt::print("{}\n", kJudgedWithSlowedClock);
   return again;
 }
