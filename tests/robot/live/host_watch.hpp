@@ -31,7 +31,9 @@ inline constexpr std::string_view kJudgedWithSlowedClock = "judged with a slowed
 // each by a tick of the stage that came 0.75 ms late or more.
 class LeftOutPeriods {
  public:
-  static constexpr std::int64_t kLate_ns = 250'000;  // what a clock of 2 kHz feels of 0.75 ms at least
+  // A clock of 2 kHz feels 0.25 to 0.75 ms of that. Shorter ones than these come so often, 1.4 times three a
+  // second on a virtual machine on which the robot runs, that they would excuse any stop.
+  static constexpr std::int64_t kLate_ns = 500'000;
 
   // Whether they are three with this wake, which was as late as that.
   bool with(std::int64_t woke_ns) {

@@ -1,7 +1,6 @@
 // Hours of healthy procedures on the virtual clock: no trip and no unrequested stop.
 #include <algorithm>
 
-#include "tests/kept_figures.hpp"
 #include "tests/source_dir.hpp"
 #include "tests/verification/evidence_program.hpp"
 #include "tests/verification/nuisance/drawn_stages.hpp"
@@ -33,26 +32,8 @@ biopsy::EvidenceReport report_of(const HealthyRun& day, double seconds) {
   return report;
 }
 
-// The row of the documentation's table.
-biopsy::KeptFigures kept_figures(const HealthyRun& all, double hours, std::uint64_t seed, int drawn) {
-  return {fmt::format("nuisance --drawn-stages {} --hours {} --seed {} --keep", drawn, hours, seed),
-          "explanation/verification.md",
-          "g++ " __VERSION__,
-          {{std::to_string(drawn), fmt::format("{:.0f}", all.hours), std::to_string(all.procedures),
-            std::to_string(all.completed), std::to_string(all.given_up), std::to_string(all.steps),
-            std::to_string(all.trips), std::to_string(all.unexpected_stops), std::to_string(all.borne_out)}}};
-}
-
-struct Wanted {
-  double hours = 8.0;
-  std::uint64_t seed = 1;
-  int drawn = 0;  // stages of the posterior; 0: the model in the tree, varied
-  bool keep = false;
-};
-
 // Figures of all days together; each day's stage is another of `stages`.
-biopsy::EvidenceReport run(const Wanted& wanted) {
-  const auto& [hours, seed, drawn, keep] = wanted;
+biopsy::EvidenceReport run(double hours, std::uint64_t seed, int drawn) {
   NominalModels models = read_nominal_models(biopsy::source_dir() / "sim/models");
   std::vector<biopsy::sim::PlantModel> stages{models.stage};
   models.varies = drawn == 0;
@@ -78,26 +59,22 @@ biopsy::EvidenceReport run(const Wanted& wanted) {
   for (const Alarm& alarm : all.alarms)
     fmt::print("  stage {}, procedure {} at {:.2f} s: {}\n", alarm.stage, alarm.procedure, alarm.at_s,
                alarm.what);
-  if (keep) biopsy::write_figures("nuisance", kept_figures(all, hours, seed, drawn));
   return report_of(all, time.seconds());
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  Wanted wanted;
+  double hours = 8.0;
   bool quick = false;
+  std::uint64_t seed = 1;
+  int drawn = 0;
   CLI::App app{"Hours of healthy procedures on the virtual clock: no trip and no unrequested stop"};
   app.add_flag("--quick", quick, "twenty minutes");
-  app.add_option("--hours", wanted.hours, "of procedures")->check(CLI::Range(1e-3, 1'000.0));
-  app.add_option("--seed", wanted.seed, "of all random choices");
-  app.add_option("--drawn-stages", wanted.drawn,
-                 "so many stages of the calibration's posterior, each for the hours")
+  app.add_option("--hours", hours, "of procedures")->check(CLI::Range(1e-3, 1'000.0));
+  app.add_option("--seed", seed, "of all random choices");
+  app.add_option("--drawn-stages", drawn, "so many stages of the calibration's posterior, each for the hours")
       ->check(CLI::Range(0, 1'000));
-  app.add_flag("--keep", wanted.keep,
-               "the figures in the documentation: docs/reference/figures/nuisance.json");
-  return biopsy::evidence_program("nuisance", app, argc, argv, [&] {
-    if (quick) wanted.hours = 1.0 / 3.0;
-    return run(wanted);
-  });
+  return biopsy::evidence_program("nuisance", app, argc, argv,
+                                  [&] { return run(quick ? 1.0 / 3.0 : hours, seed, drawn); });
 }
