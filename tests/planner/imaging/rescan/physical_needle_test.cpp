@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <opencv2/core/version.hpp>
 #include <vector>
 
 #include "planner/imaging/depth_check/depth_check.hpp"
@@ -67,7 +66,7 @@ TEST(RescanCampaign, ReadsAPhysicalNeedleByItsCalibrationAndAcceptsNoneWithout) 
   expect_figures("depth-check-titanium",
                  {"build/dev/tests/test_imaging --gtest_filter='RescanCampaign.*'",
                   "explanation/depth-check.md",
-                  "OpenCV " CV_VERSION,
+                  opencv_in_use(),
                   {{"18 G titanium, nearly across the field", fmt::format("{:.2f}", mean(offsets)),
                     fmt::format("{:.2f}", standard_deviation(offsets)), fmt::format("{} of 8", accepted),
                     std::to_string(rejected)}}});

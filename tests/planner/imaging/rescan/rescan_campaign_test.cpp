@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cmath>
-#include <opencv2/core/version.hpp>
 #include <vector>
 
 #include "planner/imaging/depth_check/depth_check.hpp"
@@ -136,7 +135,7 @@ void expect_the_documented(const std::string& name, const Counts& counts, double
   const auto pair = real_pair(name);
   if (!pair) GTEST_SKIP() << "no real images beside the source folder";
   expect_figures("depth-check-" + name, {"build/dev/tests/test_imaging --gtest_filter='RescanCampaign.*'",
-                                         "explanation/depth-check.md", "OpenCV " CV_VERSION,
+                                         "explanation/depth-check.md", opencv_in_use(),
                                          expect_the_bar(*pair, counts, accepted_least)});
 }
 
@@ -184,7 +183,7 @@ TEST(RescanCampaign, StatesStandardDeviationsThatHold) {
   expect_figures("depth-check-deviations",
                  {"build/dev/tests/test_imaging --gtest_filter='RescanCampaign.*'",
                   "explanation/depth-check.md",
-                  "OpenCV " CV_VERSION,
+                  opencv_in_use(),
                   {{fmt::format("re-scan, {} needles seen", seen), std::to_string(within[0]),
                     std::to_string(within[1]), std::to_string(within[2])}}});
   for (int good : within) EXPECT_GE(good, 0.9 * seen);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/core/version.hpp>
 #include <random>
 
 #include "planner/imaging/io/byte_source.hpp"
@@ -179,6 +181,13 @@ std::optional<RescanCase> drawn(const Pair& pair, Kind kind, std::uint64_t seed)
     return c;
   }
   return std::nullopt;
+}
+
+std::string opencv_in_use() {
+  const char* vectors = cv::checkHardwareSupport(CV_CPU_AVX512_SKX) ? "AVX-512"
+                        : cv::checkHardwareSupport(CV_CPU_AVX2)     ? "AVX2"
+                                                                    : "neither";
+  return std::string("OpenCV " CV_VERSION ", ") + vectors;
 }
 
 }  // namespace biopsy::imaging::rescan

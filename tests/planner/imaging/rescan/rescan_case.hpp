@@ -46,4 +46,7 @@ struct RescanCase {
 // axes, through tissue. nullopt where no such path was found.
 std::optional<RescanCase> drawn(const Pair& pair, Kind kind, std::uint64_t seed);
 
+// What figures to the last verdict depend on: OpenCV, and the widest vectors that it filters with here.
+std::string opencv_in_use();
+
 }  // namespace biopsy::imaging::rescan
