@@ -97,7 +97,7 @@ inline constexpr std::array<HazardFacts, kHazards> kHazardTable{{
     {Hazard::ControllerSilent, StopCategory::C0Off, 4, "H-15 no new request from the controller", "R-25",
      Monitor::Link, "none to more than 3 measurements in a row"},
     {Hazard::PlanChanged, StopCategory::C0Off, 1, "H-19 plan is missing or is not the sealed one", "R-12",
-     Monitor::Link, "tag differs from the sealed plan, or none"},
+     Monitor::Link, "seal differs from that of the sealed plan, or none"},
     {Hazard::ConfigChanged, StopCategory::C0Off, 1, "H-29 configuration is not the one at start", "R-13",
      Monitor::Link, "tag differs from the one at start"},
     {Hazard::HardOverDepth, StopCategory::C0Off, 2, "H-01 needle beyond the plan and its margin", "R-14",
