@@ -20,9 +20,10 @@ class GlogSink final : public google::LogSink {
  public:
   void send(google::LogSeverity severity, const char*, const char*, int, const struct ::tm*,
             const char* message, std::size_t size) override {
+    // What it warns of is a step of a search that it repeats by itself.
     const Level level = severity >= google::ERROR     ? Level::Error
-                        : severity == google::WARNING ? Level::Warning
-                                                      : Level::Info;
+                        : severity == google::WARNING ? Level::Info
+                                                      : Level::Debug;
     logging::write(Component::Ceres, level, {message, size});
   }
 };

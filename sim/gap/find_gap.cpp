@@ -112,10 +112,12 @@ Search search(const Dataset& dataset, const PlantModel& model, const SearchOptio
   progress(0.9, "final fit and standard deviations");
   out.selection.best = refined(out.selection.best, out.as_given.square, out.evidence);
   estimate_uncertainty(out.selection.best.hypothesis, out.evidence);
-  if (out.verdict() == GapVerdict::Effect)
+  if (out.verdict() == GapVerdict::Effect) {
     out.selection.objections = objections(out.selection, out.coarse, out.evidence);
-  else if (out.verdict() == GapVerdict::Parameter)
+  } else if (out.verdict() == GapVerdict::Parameter) {
+    widen_untold(out.selection.best, out.evidence);
     out.selection.objections = objections_to_numbers(out.selection, out.coarse);
+  }
   return out;
 }
 

@@ -143,15 +143,18 @@ void write_correlations(const ModelNotes& notes, ModelText& text) {
 
 std::string number_in_unit(double si, double si_per_unit, double low, double high) {
   const double nearest = si / si_per_unit;
+  // A value that a fit left at a limit, by way of its logarithm, misses it by some last bits.
+  constexpr double kRounding = 1e-13;
+  const auto is_inside = [&](double number) { return number >= low && number <= high; };
+  for (const double edge : {low, high})
+    if (!is_inside(nearest) && std::abs(nearest - edge) <= kRounding * std::abs(edge))
+      return fmt::format("{}", edge);
   const auto reads_back = [&](double number) { return number * si_per_unit == si; };
   for (int digits = 1; digits <= 17; ++digits)
     if (const double number = rounded_to_digits(nearest, digits); reads_back(number))
       return fmt::format("{}", number);
   for (const double beside : {std::nextafter(nearest, -HUGE_VAL), std::nextafter(nearest, HUGE_VAL)})
-    if (reads_back(beside)) return fmt::format("{}", beside);
-  // A value at the edge of its range stays inside in spite of rounding.
-  for (const double edge : {low, high})
-    if (std::abs(nearest - edge) <= 4e-16 * std::abs(edge)) return fmt::format("{}", edge);
+    if (reads_back(beside) && is_inside(beside)) return fmt::format("{}", beside);
   return fmt::format("{}", nearest);
 }
 

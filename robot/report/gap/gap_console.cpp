@@ -14,7 +14,7 @@ namespace biopsy::report {
 namespace {
 
 constexpr std::size_t kLineWidth = 100;
-constexpr std::size_t kSentenceLines = 5, kProposalLines = 3, kMargins = 2, kRegimes = 3, kCandidates = 5,
+constexpr std::size_t kSentenceLines = 8, kProposalLines = 3, kMargins = 2, kRegimes = 3, kCandidates = 5,
                       kNextLines = 3, kRemarks = 2;
 
 // Indented lines, `most` of them; what does not fit is left out and marked.
@@ -22,7 +22,7 @@ std::string wrapped_paragraph(const std::string& text, const std::string& indent
   std::vector<std::string> lines = wrapped(text, kLineWidth);
   if (lines.size() > most) {
     lines.resize(most);
-    lines.back() += " …";
+    lines.back() += " … (all of it: report.html)";
   }
   std::string shown;
   for (const std::string& line : lines) shown += indent + line + "\n";

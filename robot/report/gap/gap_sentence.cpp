@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kConcentratedShare = 1.3;  // share of error over share of time that is mentioned
 constexpr std::size_t kMostNumbers = 4;
+constexpr double kOnlyNoise = 1.03;  // of it, that is no difference
+constexpr double kClear = 0.9;       // probability from which no rival is worth a sentence
 
 std::string with_unit(const std::string& number, const std::string& unit) {
   return unit.empty() ? number : number + " " + unit;
@@ -40,10 +42,23 @@ std::string concentrated(const GapFinding& finding) {
                      100.0 * first.share_of_time);
 }
 
+// Of an effect that other candidates may be as well.
+std::string rivals_sentence(const FoundEffect& effect) {
+  if (effect.probability >= kClear || effect.confused_with.empty()) return "";
+  std::vector<std::string> rivals;
+  for (const GapProbability& one : effect.confused_with)
+    if (one.probability >= 1.0 - kClear)
+      rivals.push_back(fmt::format("{} ({:.2f})", readable_name(one.name), one.probability));
+  return rivals.empty() ? ""
+                        : fmt::format("These runs do not tell it ({:.2f}) from {}. ", effect.probability,
+                                      joined(rivals, " or "));
+}
+
 std::string effect_sentence(const GapFinding& finding) {
   std::string out;
   for (const FoundEffect& effect : finding.effects)
-    out += fmt::format("{} {}: {}. ", effect.sentence, readable_name(effect.name), numbers_of(effect));
+    out += fmt::format("{} {}: {}. {}", effect.sentence, readable_name(effect.name), numbers_of(effect),
+                       rivals_sentence(effect));
   return out +
          fmt::format("{} {:.0f} % of the disagreement, on runs that were not used for fitting.{}",
                      finding.effects.size() > 1 ? "Together they explain" : "That explains",
@@ -94,10 +109,18 @@ std::string recording_sentence(const GapFinding& finding) {
 
 std::string unexplained_sentence(const GapFinding& finding) {
   if (!finding.data.empty() && finding.data.front().blocks) return recording_sentence(finding);
-  std::string out = fmt::format(
-      "Model and measurement differ by {:.3g} mm where the noise is {:.3g} mm, and nothing in the library "
-      "explains it.{}",
-      finding.rmse_before, finding.noise_floor, concentrated(finding));
+  std::string out =
+      finding.rmse_before > kOnlyNoise * finding.noise_floor
+          ? fmt::format(
+                "Model and measurement differ by {:.3g} mm where the noise is {:.3g} mm, and nothing in "
+                "the library explains it.",
+                finding.rmse_before, finding.noise_floor)
+          : fmt::format(
+                "On the runs that were held out model and measurement differ by no more than the noise "
+                "({:.3g} mm); on those that were fitted they do, and nothing in the library explains "
+                "it.",
+                finding.noise_floor);
+  out += concentrated(finding);
   out += proposed_sentence(finding.proposed);
   out += rejected_sentence(finding.rejected);
   if (!finding.shapes.empty())

@@ -25,7 +25,8 @@ constexpr double kOutlierShare = 0.01;   // of all rows; more is no outlier
 constexpr double kOnGrid = 1e-3;         // of a step
 constexpr double kCoarse = 1.5;          // noises a step must have to matter
 constexpr std::size_t kFewestLevels = 3, kMostLevels = 20000;
-constexpr double kPast = 5.0;  // levels of a coarse sensor that a motion must have led past a value
+constexpr double kPast = 5.0;    // levels of a coarse sensor that a motion must have led past a value
+constexpr double kWeaker = 0.8;  // of the input that moves plate A: what may not
 constexpr std::size_t kRowsOfALevel = 4;  // at least, of a coarse sensor
 constexpr double kMarkApart = 3.0;        // ranges of all other readings
 
@@ -94,6 +95,7 @@ bool jumps_into(const std::vector<double>& x, const Spell& spell, double step) {
 }
 
 struct Channels {
+  const Dataset& dataset;
   const RecordedRun& run;
   std::string input;  // its column
   double noise = 0.0;
@@ -101,19 +103,51 @@ struct Channels {
 
 using Found = std::optional<DataRemark>;
 
+double largest_size(const std::vector<double>& values) {
+  return std::max(std::ranges::max(values), -std::ranges::min(values));
+}
+
+// Dry friction holds plate A where less drives it than in each run in which it moves. Its reading stands
+// still then if the sensor has steps; one without would scatter.
+bool may_be_held(const Channels& c) {
+  bool any_moves = false;
+  for (const RecordedRun& other : c.dataset.runs) {
+    if (range_of(other.displacement) == 0.0) continue;
+    any_moves = true;
+    if (level_spacing(other.displacement) == 0.0 ||
+        largest_size(c.run.input) > kWeaker * largest_size(other.input))
+      return false;
+  }
+  return any_moves;
+}
+
 Found constant(const Channels& c) {
   const RecordedRun& run = c.run;
   const bool same_input = range_of(run.input) == 0.0, same_reading = range_of(run.displacement) == 0.0;
-  if (same_reading && !same_input)
-    return DataRemark{"constant",
-                      "displacement_mm",
-                      {run.name},
-                      true,
-                      fmt::format("The displacement is {:.4g} mm throughout, while {} changes: the sensor is "
-                                  "dead, or another column is the displacement. Give the column in "
-                                  "dataset.toml, [columns] displacement, or leave the run out.",
-                                  kMm * run.displacement.front(), c.input)};
-  if (same_input && run.input.front() == 0.0 && range_of(run.displacement) > kMoves * c.noise)
+  const bool at_rest = same_input && run.input.front() == 0.0;
+  if (same_reading && !at_rest && may_be_held(c))
+    return DataRemark{
+        "no_motion",
+        "displacement_mm",
+        {run.name},
+        false,
+        fmt::format("The displacement is {:.4g} mm throughout, and less drives plate A than in the "
+                    "runs in which it moves: friction may hold it. If the sensor was dead, leave "
+                    "the run out.",
+                    kMm * run.displacement.front())};
+  if (same_reading && !at_rest)
+    return DataRemark{
+        "constant",
+        "displacement_mm",
+        {run.name},
+        true,
+        fmt::format("The displacement is {:.4g} mm throughout, {}: the sensor is dead, or another "
+                    "column is the displacement. Give the column in dataset.toml, [columns] "
+                    "displacement, or leave the run out.",
+                    kMm * run.displacement.front(),
+                    same_input ? fmt::format("and {} is {:.4g}", c.input, run.input.front())
+                               : fmt::format("while {} changes", c.input))};
+  if (at_rest && range_of(run.displacement) > kMoves * c.noise)
     return DataRemark{
         "constant",
         c.input,
@@ -197,7 +231,9 @@ Found clipped(const Channels& c) {
       if (x[spell.from] != limit || jumps_into(x, spell, step)) continue;
       rows += spell.rows();
       const bool arrives = spell.from >= 3 && std::abs(x[spell.from - 3] - limit) > 2.0 * step;
-      const bool leaves = spell.to + 2 < x.size() && std::abs(x[spell.to + 2] - limit) > 2.0 * step;
+      // At the beginning it is at rest until it is driven.
+      const bool leaves =
+          spell.from > 0 && spell.to + 2 < x.size() && std::abs(x[spell.to + 2] - limit) > 2.0 * step;
       abrupt += (arrives || leaves) && cut_short(x, spell, spacing) ? 1 : 0;
     }
     if (rows < 2 * kClippedRows || abrupt == 0) continue;
@@ -303,7 +339,7 @@ std::vector<DataRemark> examine_channels(const Dataset& dataset, Drive drive, do
   std::vector<DataRemark> out;
   add_copies(out, dataset);
   for (const RecordedRun& run : dataset.runs) {
-    const Channels channels{run, drive == Drive::Force ? "force_N" : "voltage_V", noise};
+    const Channels channels{dataset, run, drive == Drive::Force ? "force_N" : "voltage_V", noise};
     for (const auto check : {constant, missing, frozen, clipped, quantised, outliers})
       if (Found found = check(channels)) {
         add_to(out, std::move(*found));

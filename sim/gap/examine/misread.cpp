@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,10 +16,12 @@
 namespace biopsy::sim::gap {
 namespace {
 
-constexpr double kMisses = 0.3;     // misfit from which a run may be misread
-constexpr double kExplains = 0.35;  // of that misfit is left by the right reading
-constexpr double kClearly = 0.5;    // of what a clock leaves is left by a filter, where it is one
-constexpr double kLongest = 20.0;   // s of a run that are looked at
+constexpr double kMisses = 0.3;        // misfit from which a run may be misread
+constexpr double kExplains = 0.35;     // of that misfit is left by the right reading
+constexpr double kAlike = 1.2;         // misfits of two readings, neither of which is the better one,
+constexpr double kSmallMisfit = 0.03;  // or both are as small as this
+constexpr double kClearly = 0.5;       // of what a clock leaves is left by a filter, where it is one
+constexpr double kLongest = 20.0;      // s of a run that are looked at
 constexpr std::size_t kFewestRows = 200;
 constexpr double kBallistic = 0.5;         // s, windows of a mechanism without a spring
 constexpr double kLongestShift = 2.0;      // s
@@ -261,6 +264,22 @@ std::string share_text(double misfit) {
   return fmt::format("{:.0f} %", 100.0 * std::max(0.0, 1.0 - misfit * misfit));
 }
 
+// Other readings that explain each of these runs nearly as well; most that is wrong with a file is one of
+// several things.
+std::string alternatives(const Reading& reading, const std::vector<Looked>& looked,
+                         const std::vector<std::size_t>& which) {
+  std::vector<std::string> out;
+  for (const auto& [other, first] : looked[which.front()].meant)
+    if (other != &reading && std::ranges::all_of(which, [&](std::size_t i) {
+          const auto there = looked[i].meant.find(other);
+          return there != looked[i].meant.end() &&
+                 there->second < std::max(kAlike * looked[i].after, kSmallMisfit);
+        }))
+      out.push_back(other->meaning);
+  std::ranges::sort(out);
+  return out.empty() ? "" : fmt::format(" As well explained if {}.", fmt::join(out, "; or if "));
+}
+
 DataRemark misread(const Reading& reading, const std::vector<std::string>& runs, std::size_t of,
                    const Looked& one, Drive drive) {
   std::string sentence = fmt::format(
@@ -345,6 +364,7 @@ std::vector<DataRemark> examine_with_model(const Dataset& dataset, const PlantMo
     std::vector<std::string> names;
     for (const std::size_t i : which) names.push_back(dataset.runs[i].name);
     out.push_back(misread(*reading, names, dataset.runs.size(), looked[which.front()], model.baseline.drive));
+    out.back().sentence += alternatives(*reading, looked, which);
   }
   if (out.empty())
     if (auto found = exchanged(dataset, missed, model, noise, looked)) out.push_back(std::move(*found));

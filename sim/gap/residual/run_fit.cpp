@@ -79,6 +79,26 @@ std::vector<RunFit> run_fits(const Evidence& evidence, const std::vector<double>
   return out;
 }
 
+double held_out_motion(const Evidence& evidence) {
+  double square = 0.0;
+  std::size_t rows = 0;
+  for (const EvidenceRun& run : evidence.runs) {
+    std::vector<std::size_t> ends;
+    for (const WindowStart& window : run.windows)
+      if (window.row > run.training_rows) ends.push_back(window.row);
+    ends.push_back(run.rows.size());
+    std::size_t from = run.training_rows;
+    for (const std::size_t to : ends) {
+      std::vector<double> measured;
+      for (std::size_t i = from; i < to; ++i) measured.push_back(run.rows[i].measured);
+      square += square_sum(centred(measured));
+      rows += to - from;
+      from = to;
+    }
+  }
+  return rows > 0 ? std::sqrt(square / static_cast<double>(rows)) : 0.0;
+}
+
 std::vector<GapSignals> signals(const Evidence& evidence, const std::vector<double>& before,
                                 const std::vector<double>& after) {
   std::vector<GapSignals> out;

@@ -12,6 +12,10 @@ namespace biopsy::sim::gap {
 std::vector<RunFit> run_fits(const Evidence& evidence, const std::vector<double>& before,
                              const std::vector<double>& after);
 
+// RMS of the held-out readings about the mean of their run, or of their window: what is missed by a model
+// that knows only where the plate is. m
+double held_out_motion(const Evidence& evidence);
+
 // Every row of every run with both models' readings; mm, and the input in V or N.
 std::vector<GapSignals> signals(const Evidence& evidence, const std::vector<double>& before,
                                 const std::vector<double>& after);

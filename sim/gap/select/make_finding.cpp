@@ -195,8 +195,7 @@ RejectedName rejected_name(const ScoredModel& before, const Selection& selection
   if (out.effects.empty()) return {};
   out.rmse_after = std::sqrt(selection.best.square) * kMm;
   out.objections = selection.objections;
-  if (out.objections.empty())
-    out.objections.push_back("what it leaves is not noise, or another candidate leaves as little");
+  if (out.objections.empty()) out.objections.push_back(reason_against(before, selection, evidence));
   return out;
 }
 

@@ -10,6 +10,8 @@
 #include "sim/gap/millimetres.hpp"
 #include "sim/gap/residual/flexible.hpp"
 #include "sim/gap/residual/predict.hpp"
+#include "sim/gap/residual/run_fit.hpp"
+#include "sim/gap/select/choose.hpp"
 #include "sim/gap/select/compare_candidates.hpp"
 #include "sim/gap/select/exchange.hpp"
 #include "sim/gap/select/keep_simpler.hpp"
@@ -20,7 +22,9 @@ namespace {
 
 constexpr double kHalf = 0.5;           // of the RMSE above the noise that no calibration explains
 constexpr double kWhole = 0.95;         // of it
-constexpr double kOfMotion = 0.15;      // of the range of motion, that a name must not leave
+constexpr double kOfRange = 0.15;       // of the range of motion, that a name must not leave,
+constexpr double kOfMotion = 0.5;       // and of the motion itself: a fit of 50 %
+constexpr double kOfPlace = 0.5;        // of that range, by which a place must be known
 constexpr double kNearNoise = 1.0;      // noises that are left
 constexpr double kFlexibleWins = 0.8;   // of the excess square that a name leaves
 constexpr double kAddsToCurve = 0.7;    // of the excess square that the curve leaves
@@ -45,20 +49,43 @@ double closed_by_names(const Selection& selection, const Evidence& evidence) {
   return gap_closed(selection.start.square, selection.best.square, evidence.noise);
 }
 
+bool is(const SelectedTerm& term, std::string_view name) {
+  return is_effect(term.candidate, name);
+}
+
 bool selected(const Selection& selection, const Unknown& u) {
   return std::ranges::any_of(selection.selected, [&](const SelectedTerm& term) {
     return term.is_effect() && term.candidate.effect == u.effect;
   });
 }
 
-// Where the given model runs away, anything that holds it closes nearly all of the gap and explains no
-// motion.
+// Where the given model is far off, anything that takes its error away closes nearly all of the gap and
+// explains no motion.
 void add_left_motion(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
-  const double left = std::sqrt(excess(selection.best.square, evidence));
+  if (is_near_noise(selection.best.square, evidence)) return;
+  const double left = std::sqrt(excess(selection.best.square, evidence)), motion = held_out_motion(evidence);
   const double share = left / (evidence.x_high - evidence.x_low);
-  if (!is_near_noise(selection.best.square, evidence) && share > kOfMotion)
+  if (share > kOfRange)
     out.push_back(
         fmt::format("it leaves {:.3g} mm, {:.0f} % of the range of motion", left * kMm, 100.0 * share));
+  else if (motion > evidence.noise && left > kOfMotion * motion)
+    out.push_back(
+        fmt::format("it leaves {:.3g} mm of a held-out motion of {:.3g} mm (RMS)", left * kMm, motion * kMm));
+}
+
+// The same in every row of every run: its unit, its sign and a force beside it cannot be told apart.
+void add_constant_input(std::vector<std::string>& out, const Selection& selection, const Evidence& evidence) {
+  if (std::ranges::none_of(selection.selected,
+                           [](const SelectedTerm& term) { return is(term, ExternalForce::info.name); }))
+    return;
+  const double input = evidence.runs.front().rows.front().input;
+  for (const EvidenceRun& run : evidence.runs)
+    if (!std::ranges::all_of(run.rows, [&](const Row& row) { return row.input == input; })) return;
+  out.push_back(
+      fmt::format("the input is {:.4g} in all runs, where a force that is always there looks like a wrong "
+                  "unit or sign of "
+                  "it: record another input",
+                  input));
 }
 
 // Of each effect at least one strength, and where and above which level it acts, must be known.
@@ -71,20 +98,17 @@ void add_unknown_parameters(std::vector<std::string>& out, const Selection& sele
     for (const Unknown& u : selection.best.hypothesis.unknowns) {
       if (u.effect != term.candidate.effect || !std::isfinite(u.std)) continue;
       const LibraryParameter& p = effect.parameters[u.parameter];
-      const double std = u.value_std(),
-                   range = p.role == Role::Place ? evidence.x_high - evidence.x_low : 0.0;
+      const double std = u.value_std(), range = evidence.x_high - evidence.x_low;
       if (p.role == Role::Strength) any_strength = true, known_strength |= std < std::abs(u.value());
-      if ((p.role == Role::Place || p.role == Role::Level) && std > std::max(std::abs(u.value()), range))
+      const bool unknown_place = p.role == Role::Place && std > kOfPlace * range,
+                 unknown_level = p.role == Role::Level && std > std::abs(u.value());
+      if (unknown_place || unknown_level)
         out.push_back(fmt::format("its {} is known to no better than {:.2g} +- {:.2g}", p.name,
                                   u.value() / p.si_per_unit, std / p.si_per_unit));
     }
     if (any_strength && !known_strength)
       out.push_back(fmt::format("no strength of {} is known to better than itself", effect.info.name));
   }
-}
-
-bool is(const SelectedTerm& term, std::string_view name) {
-  return is_effect(term.candidate, name);
 }
 
 // Root sum of squares over the effect's strengths.
@@ -296,6 +320,19 @@ bool leaves_noise(const Selection& selection, const Evidence& evidence) {
                              [&](double, double left) { return is_near_noise(left, evidence); });
 }
 
+// Guesses of mass, damping and stiffness that are wrong together leave what no single one of them explains,
+// and an effect may take away.
+void add_numbers_together(std::vector<std::string>& out, const Selection& selection,
+                          const Evidence& evidence) {
+  const std::optional<ScoredModel> numbers = with_numbers_free(selection.start, evidence);
+  if (!numbers) return;
+  const double closed = gap_closed(selection.start.square, numbers->square, evidence.noise);
+  const bool as_good = numbers->square < kClearMargin * selection.best.square;
+  if (as_good || (closed > kNumberCloses && !leaves_noise(selection, evidence)))
+    out.push_back(fmt::format("other values of {} without it close {:.0f} % of the gap: fit them (--free)",
+                              names_of_numbers(numbers->hypothesis), 100.0 * closed));
+}
+
 }  // namespace
 
 bool is_whole(const Selection& selection, const Evidence& evidence) {
@@ -323,6 +360,8 @@ std::vector<std::string> objections(const Selection& selection, const Evidence& 
   add_left_motion(out, selection, fine);
   add_unknown_parameters(out, selection, fine);
   add_contradictions(out, selection, fine);
+  add_constant_input(out, selection, fine);
+  if (out.empty()) add_numbers_together(out, selection, fine);
   // What is closed to the noise on held-out runs has shown itself; one run of a few may hold no puncture.
   if (!out.empty() || leaves_noise(selection, fine)) return out;
   add_other_numbers(out, selection);
@@ -334,6 +373,9 @@ std::vector<std::string> objections(const Selection& selection, const Evidence& 
 }
 
 std::vector<std::string> objections_to_numbers(const Selection& selection, const Evidence& coarse) {
+  if (!tells_a_number(selection.best.hypothesis))
+    return {fmt::format("values five times as large or small of {} follow the record as well",
+                        names_of_numbers(selection.best.hypothesis))};
   const double left =
       excess(mean_square(residual(selection.best.hypothesis.model, coarse, Part::HeldOut)), coarse);
   if (std::sqrt(left) < kShows * coarse.noise) return {};

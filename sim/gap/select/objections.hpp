@@ -18,7 +18,8 @@ bool is_whole(const Selection& selection, const Evidence& evidence);
 // time. Standard deviations must be estimated.
 std::vector<std::string> objections(const Selection& selection, const Evidence& coarse, const Evidence& fine);
 
-// Whether other numbers of the baseline are all that is missing. Not where a curve explains most of what they
+// Whether other numbers of the baseline are all that is missing. Not where quite different numbers follow the
+// record as well; nor where a curve explains most of what they
 // leave: a spring that softens with time is no spring of another stiffness, though that closes most of the
 // gap.
 std::vector<std::string> objections_to_numbers(const Selection& selection, const Evidence& coarse);

@@ -1,9 +1,12 @@
 #include "sim/gap/select/verdict.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "sim/gap/millimetres.hpp"
 #include "sim/gap/residual/predict.hpp"
 
 namespace biopsy::sim::gap {
@@ -51,6 +54,31 @@ bool follows_training(const ScoredModel& best, const Evidence& evidence) {
   return follows(mean_square(residual(best.hypothesis.model, evidence, Part::Training)), evidence);
 }
 
+// The first effect that was selected, what it leaves, and the least that another candidate leaves which
+// predicts something else; m^2.
+struct Next {
+  double own = 0.0, square = std::numeric_limits<double>::infinity();
+  const CandidateFit* candidate = nullptr;
+};
+
+Next next_to_first(const Selection& selection) {
+  const auto first = std::find_if(selection.selected.begin(), selection.selected.end(),
+                                  [](const SelectedTerm& term) { return term.is_effect(); });
+  Next out{.own = selection.best.square};
+  if (first == selection.selected.end()) return out;
+  for (const CandidateFit& t : first->comparison) {
+    if (t.candidate == first->candidate)
+      out.own = t.scored.square;
+    else if (t.fitted && !t.indistinguishable && t.scored.square < out.square)
+      out.square = t.scored.square, out.candidate = &t;
+  }
+  return out;
+}
+
+bool has_effect(const Selection& selection) {
+  return std::ranges::any_of(selection.selected, &SelectedTerm::is_effect);
+}
+
 }  // namespace
 
 double gap_closed(double before, double after, double noise) {
@@ -66,24 +94,32 @@ bool well_explained(double before, double after, const Evidence& evidence) {
 }
 
 double margin_over_next(const Selection& selection) {
-  const auto first = std::find_if(selection.selected.begin(), selection.selected.end(),
-                                  [](const SelectedTerm& term) { return term.is_effect(); });
-  double next = std::numeric_limits<double>::infinity();
-  if (first == selection.selected.end()) return next;
-  double own = selection.best.square;
-  for (const CandidateFit& t : first->comparison) {
-    if (t.candidate == first->candidate)
-      own = t.scored.square;
-    else if (t.fitted && !t.indistinguishable)
-      next = std::min(next, t.scored.square);
+  const Next next = next_to_first(selection);
+  return next.square / next.own;
+}
+
+std::string reason_against(const ScoredModel& before, const Selection& selection, const Evidence& evidence) {
+  const double square = selection.best.square;
+  const double left = std::sqrt(excess(square, evidence)) * kMm;
+  if (!has_effect(selection)) {
+    if (!follows_training(selection.best, evidence))
+      return "the runs to which it was fitted are not followed either";
+    return fmt::format("{:.3g} mm are left beyond the noise", left);
   }
-  return next / own;
+  const Next next = next_to_first(selection);
+  if (next.candidate != nullptr && next.square / next.own < kClearMargin)
+    return fmt::format("{} leaves nearly as little ({:.3g} mm where it leaves {:.3g} mm)",
+                       next.candidate->candidate.name(before.drive()), std::sqrt(next.square) * kMm,
+                       std::sqrt(next.own) * kMm);
+  if (relies_on_calibration_error(selection.best.hypothesis))
+    return "it needs numbers of the model that are off by more than a calibration is";
+  return fmt::format("{:.3g} mm are left beyond the noise, {:.0f} % of the gap", left,
+                     100.0 * (1.0 - gap_closed(before.square, square, evidence.noise)));
 }
 
 GapVerdict verdict(const ScoredModel& before, const Selection& selection, const Evidence& evidence) {
   const bool closed = well_explained(before.square, selection.best.square, evidence);
-  if (std::none_of(selection.selected.begin(), selection.selected.end(),
-                   [](const SelectedTerm& term) { return term.is_effect(); })) {
+  if (!has_effect(selection)) {
     if (!follows_training(selection.best, evidence)) return GapVerdict::Unexplained;
     if (selection.selected.empty() && is_negligible(before.square, selection.best.square, evidence))
       return GapVerdict::NoGap;

@@ -1,6 +1,8 @@
 // The verdict on a selection. Conservative: a wrong name is worse than none.
 #pragma once
 
+#include <string>
+
 #include "sim/gap/gap_finding.hpp"
 #include "sim/gap/select/select.hpp"
 
@@ -8,6 +10,9 @@ namespace biopsy::sim::gap {
 
 // `before`: the given model, fitted in the parameters that were declared free.
 GapVerdict verdict(const ScoredModel& before, const Selection& selection, const Evidence& evidence);
+
+// Why what was selected is not the verdict where no objection was raised to it, as a clause for a sentence.
+std::string reason_against(const ScoredModel& before, const Selection& selection, const Evidence& evidence);
 
 // Share of the held-out RMSE above the noise that is gone; all of it where the model before ran away.
 double gap_closed(double square_before, double square_after, double noise);

@@ -1,5 +1,6 @@
 #include "sim/gap/term/dictionary.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,7 +26,8 @@ constexpr std::array kDictionaryProducts{
     "a x u + b x^2 u + c x^3 u + d x^4 u",
     "a x u^2 + b v u + c v u^2 + d v |u|",
     "a |u| + b x |u|"};
-constexpr double kStillSpeed = 3.0;  // of the noise of the speed
+constexpr double kSameDirection = 1e-6;  // sine of the angle between two products' values
+constexpr double kStillSpeed = 3.0;      // of the noise of the speed
 constexpr const char* kWithMemory = "a q + b q^2";
 
 // Fills the rows of one run from its states.
@@ -121,6 +123,24 @@ std::vector<double> values_of(const DictionaryEntry& entry, const MotionRows& mo
     TermPoint point = motion.points[i];
     if (!memory.empty()) point.memory = memory[i];
     out.push_back(product_at(entry.powers, point));
+  }
+  return out;
+}
+
+std::vector<DictionaryEntry> distinct_entries(const MotionRows& motion) {
+  std::vector<DictionaryEntry> out;
+  std::vector<Eigen::VectorXd> directions;
+  for (const DictionaryEntry& entry : dictionary()) {
+    const std::vector<double> values = values_of(entry, motion);
+    const Eigen::VectorXd direction =
+        Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()))
+            .normalized();
+    if (std::ranges::any_of(directions, [&](const Eigen::VectorXd& before) {
+          return (direction - direction.dot(before) * before).norm() < kSameDirection;
+        }))
+      continue;
+    out.push_back(entry);
+    directions.push_back(direction);
   }
   return out;
 }

@@ -26,6 +26,10 @@ struct MotionRows {
   TermRanges ranges() const;
 };
 
+// Those that the recording tells apart: without each that is a multiple of one before it, as u^2 is of a
+// constant where |u| is the same throughout.
+std::vector<DictionaryEntry> distinct_entries(const MotionRows& motion);
+
 // As measured: smoothed as much as the noise requires, standing where the speed is within its noise. The
 // voltage that pulls is the model's.
 MotionRows measured_motion(const PlantModel& model, const Evidence& evidence);

@@ -205,7 +205,7 @@ double term_tolerance(double before, const Evidence& evidence) {
 
 std::vector<Hypothesis> suggested_terms(const Hypothesis& around, bool with_term, const MotionRows& motion,
                                         const Evidence& evidence) {
-  std::vector<DictionaryEntry> entries = dictionary();
+  std::vector<DictionaryEntry> entries = distinct_entries(motion);
   std::erase_if(entries, [&](const DictionaryEntry& entry) { return is_baseline(entry, around); });
   const Responses responses(around, evidence);
   Eigen::VectorXd target = responses.now();

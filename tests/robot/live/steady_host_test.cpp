@@ -8,6 +8,8 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <mutex>
 #include <thread>
@@ -84,6 +86,37 @@ TEST(SlowedClock, PassesNothingThatEndsWithoutAResult) {
   if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
   if (is_clock_slowed()) std::_Exit(0);
   EXPECT_EQ(repeat_with_slowed_clock(), Repeated::Failed);
+}
+
+// Of a session of its own, as a robot's processes are, which would hold the names of the next robot.
+TEST(SlowedClock, LeavesNoProcessWhereItIsEnded) {
+  if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
+  if (is_clock_slowed()) {
+    EXPECT_EQ(std::system("setsid sleep 600"), 0);
+    return;
+  }
+  const std::vector<pid_t> before = children();
+  const std::string until_s = std::to_string(std::time(nullptr) + 3);
+  setenv("REPEATS_UNTIL", until_s.c_str(), 1);
+  EXPECT_EQ(repeat_with_slowed_clock(), Repeated::Skipped);
+  unsetenv("REPEATS_UNTIL");
+  EXPECT_EQ(children(), before);
+}
+
+TEST(SlowedClock, StartsNothingOnceTimeIsUp) {
+  if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
+  ASSERT_FALSE(is_clock_slowed()) << "it was started";
+  setenv("REPEATS_UNTIL", "1000000000", 1);
+  EXPECT_EQ(repeat_with_slowed_clock(), Repeated::Skipped);
+  unsetenv("REPEATS_UNTIL");
+}
+
+TEST(SlowedClock, JudgesADeadlineOnlyWhereThatIsAskedFor) {
+  unsetenv("SLOWED_DEADLINES");
+  EXPECT_FALSE(can_a_slowed_clock_judge(Asserts::Deadline));
+  EXPECT_EQ(can_a_slowed_clock_judge(Asserts::Order), can_slow_the_clock());
+  setenv("SLOWED_DEADLINES", "1", 1);
+  EXPECT_EQ(can_a_slowed_clock_judge(Asserts::Deadline), can_slow_the_clock());
 }
 
 TEST(SlowedClock, SaysWhatItCouldNotJudgeEither) {

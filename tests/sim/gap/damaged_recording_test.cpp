@@ -299,6 +299,51 @@ TEST(DamagedRecording, RepeatedRunsThatDisagreeAreNamed) {
   EXPECT_EQ(remarks[0].cause, "repeats_differ") << listed(remarks);
 }
 
+// A motor that friction holds throughout one run reads the same in every row if its encoder has steps: driven
+// as hard as in the runs in which it moves, it would not.
+TEST(DamagedRecording, ARunThatFrictionHoldsIsNoDeadSensor) {
+  const auto with_last_run_still = [](double driven, double step) {
+    Bench bench = rig();
+    for (RecordedRun& run : bench.data.runs)
+      for (double& x : run.displacement) x = step > 0.0 ? std::round(x / step) * step : x;
+    RecordedRun& last = bench.data.runs.back();
+    scale(last.input, driven);
+    std::ranges::fill(last.displacement, 0.0);
+    return examined(bench, nullptr);
+  };
+  const auto is_dead = [](const DataRemark& one) { return one.cause == "constant" && one.blocks; };
+  const std::vector<DataRemark> held = with_last_run_still(0.1, 1e-3);
+  EXPECT_TRUE(std::ranges::none_of(held, is_dead)) << listed(held);
+  EXPECT_NE(listed(held).find("friction may hold it"), std::string::npos) << listed(held);
+  for (const auto& [driven, step] : {std::pair{1.0, 1e-3}, {0.1, 0.0}}) {
+    const std::vector<DataRemark> dead = with_last_run_still(driven, step);
+    EXPECT_TRUE(std::ranges::any_of(dead, is_dead)) << listed(dead);
+  }
+}
+
+TEST(DamagedRecording, ADeadSensorIsNamedUnderAConstantInputToo) {
+  Bench bench = rig();
+  for (RecordedRun& run : bench.data.runs) {
+    std::ranges::fill(run.input, 1.5);
+    std::ranges::fill(run.displacement, 2e-3);
+  }
+  const std::vector<DataRemark> remarks = examined(bench, nullptr);
+  ASSERT_FALSE(remarks.empty());
+  EXPECT_TRUE(remarks[0].blocks) << listed(remarks);
+}
+
+// What is as well explained by one reading of the file as by another is not said to be one of them alone.
+TEST(DamagedRecording, NamesWhatElseExplainsIt) {
+  Bench bench = rig();
+  for (RecordedRun& run : bench.data.runs) scale(run.displacement, 1e-3);  // metres, or an input in mN
+  const std::vector<DataRemark> remarks = examined(bench, nullptr);
+  ASSERT_FALSE(remarks.empty());
+  EXPECT_NE(remarks[0].sentence.find("displacement_mm is in m and not in mm"), std::string::npos)
+      << remarks[0].sentence;
+  EXPECT_NE(remarks[0].sentence.find("force_N is in mN and not in N"), std::string::npos)
+      << remarks[0].sentence;
+}
+
 TEST(DamagedRecording, IsNotSearchedAndKeepsTheModel) {
   Dataset data = rig().data;
   for (RecordedRun& run : data.runs) std::ranges::fill(run.displacement, 0.0);

@@ -150,6 +150,23 @@ TEST(ModelText, AFittedValueInOtherUnitsComesBackToTheLastBit) {
   EXPECT_GT(exact, 9000);
 }
 
+// As a fit does that knows a value by its logarithm: exp(log(high / start)) start is high but for some last
+// bits, which were 0.9500000000000001 of a friction that another laboratory's servo drove to its limit.
+TEST(ModelText, AValueAtALimitOfItsRangeIsWrittenAsThatLimit) {
+  RandomModels next(3);
+  int beyond = 0;
+  for (int i = 0; i < 10000; ++i) {
+    const double si_per_unit = (i % 2) != 0 ? 1e-3 : 1.0, high = std::round(next.between(1.0, 999.0)) / 20.0,
+                 start = next.between(1e-3, 1.0) * high * si_per_unit;
+    const double si = start * std::exp(std::log(high * si_per_unit / start));
+    beyond += static_cast<int>(si / si_per_unit > high);
+    const double read = std::stod(number_in_unit(si, si_per_unit, 0.0, high));
+    EXPECT_LE(read, high);
+    EXPECT_NEAR(read, high, 1e-12 * high);
+  }
+  EXPECT_GT(beyond, 1000);
+}
+
 TEST(ModelText, NamesEveryValueOfTheStack) {
   const std::string text = model_toml(PlantModel{}, ModelNotes{});
   for (const char* name : {"K", "tau", "eps_film", "d_film", "L0", "V0", "H_0", "n", "tau_h", "k", "c_k",

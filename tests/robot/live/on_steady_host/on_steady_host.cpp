@@ -5,15 +5,17 @@
 // its failure is not one of time: that is judged on any machine. With --slowed a command that was not judged
 // runs once more, with four times the patience (at once, where that is plain after half a minute), and is
 // told by CLOCK_SPEED=0.25 in its environment to slow the clocks of its robot; SLOWED_WAITS is the library
-// (slowed_waits) that this takes.
+// (slowed_waits) that this takes. REPEATS_UNTIL, in seconds since 1970, ends that run.
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <ctime>
 #include <string_view>
 #include <thread>
 
@@ -109,7 +111,12 @@ int main(int count, char** words) {
   if (code != kNotJudged || slowed == nullptr) return code;
   setenv("CLOCK_SPEED", fmt::format("{}", kClockSpeeds.front()).c_str(), 1);
   setenv("SLOWED_WAITS", slowed, 1);
-  const int again = run(words + at, patience_s / kClockSpeeds.front(), false);
+  double slowed_patience_s = patience_s / kClockSpeeds.front();
+  if (const char* until_s = std::getenv("REPEATS_UNTIL"))
+    slowed_patience_s =
+        std::min(slowed_patience_s, std::atof(until_s) - static_cast<double>(std::time(nullptr)));
+  if (slowed_patience_s <= 0.0) return code;
+  const int again = run(words + at, slowed_patience_s, false);
   if (again != kNotJudged) fmt::print("{}\n", kJudgedWithSlowedClock);
   return again;
 }
