@@ -14,8 +14,8 @@ namespace biopsy::report {
 namespace {
 
 constexpr std::size_t kLineWidth = 100;
-constexpr std::size_t kSentenceLines = 8, kProposalLines = 3, kMargins = 2, kRegimes = 3, kCandidates = 5,
-                      kNextLines = 3, kRemarks = 2;
+constexpr std::size_t kSentenceLines = 8, kProposalLines = 3, kMargins = 2, kRegimes = 2, kCandidates = 4,
+                      kNextLines = 2, kRemarks = 2;
 
 // Indented lines, `most` of them; what does not fit is left out and marked.
 std::string wrapped_paragraph(const std::string& text, const std::string& indent, std::size_t most) {
