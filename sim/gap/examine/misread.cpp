@@ -17,6 +17,7 @@ namespace biopsy::sim::gap {
 namespace {
 
 constexpr double kMisses = 0.3;        // misfit from which a run may be misread
+constexpr double kMissesAll = 0.9;     // misfit of a model that is not followed at all
 constexpr double kExplains = 0.35;     // of that misfit is left by the right reading
 constexpr double kAlike = 1.2;         // misfits of two readings, neither of which is the better one,
 constexpr double kSmallMisfit = 0.03;  // or both are as small as this
@@ -37,6 +38,7 @@ struct Reading {
   std::string remedy;   // of dataset.toml
   std::function<void(RecordedRun&)> apply;
   std::string otherwise = {};  // what else moves a force-driven mechanism in that way; empty: nothing
+  double misses = kMisses;     // misfit from which it is possible
 };
 
 // RMS difference, as a share of the larger one's RMS.
@@ -117,8 +119,14 @@ std::vector<Reading> readings(Drive drive) {
   if (!stack) return out;
   out.push_back({"unit", "weight_g", "weight_g is in kg and not in g", "weight_g in grams",
                  [](RecordedRun& run) { run.weight *= 1e3; }});
-  out.push_back({"unit", "weight_g", "weight_g is in mg and not in g", "weight_g in grams",
-                 [](RecordedRun& run) { run.weight *= 1e-3; }});
+  // A weight a thousand times too large leaves nothing of the motion; one that only seems to be none has a
+  // force that lifts plate A beside it.
+  out.push_back({.cause = "unit",
+                 .channel = "weight_g",
+                 .meaning = "weight_g is in mg and not in g",
+                 .remedy = "weight_g in grams",
+                 .apply = [](RecordedRun& run) { run.weight *= 1e-3; },
+                 .misses = kMissesAll});
   return out;
 }
 
@@ -226,7 +234,7 @@ Looked look_at(const RecordedRun& recorded, const PlantModel& model, double nois
   if (as_given.misfit * as_given.size < kVisible * noise) return out;
   const double by_filter = least_misfit_of_a_filter(as_given);  // an effect of the sensor, not of the clock
   for (const Reading& reading : all) {
-    if (as_given.misfit < kMisses) break;
+    if (as_given.misfit < reading.misses) continue;
     RecordedRun other = recorded;
     reading.apply(other);
     const double rate = 1.0 / other.period;

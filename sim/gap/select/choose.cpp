@@ -67,6 +67,27 @@ std::vector<std::string> numbers_of(const PlantModel& model) {
   return names;
 }
 
+// The model within its calibration errors, and with all numbers of its mechanism fitted freely.
+struct Comparison {
+  Evidence evidence;
+  ScoredModel calibrated, freed;
+
+  double least() const { return std::min(calibrated.square, freed.square); }
+};
+
+Comparison compared(const Dataset& dataset, const PlantModel& model, std::optional<double> window) {
+  Comparison out{
+      .evidence = prepare(dataset, model, window, Sampling::Coarse), .calibrated = {}, .freed = {}};
+  const auto fitted = [&](const std::vector<std::string>& free) {
+    Hypothesis hypothesis = baseline_hypothesis(model, free);
+    fit(hypothesis, out.evidence, kIterations);
+    return score_model(std::move(hypothesis), out.evidence);
+  };
+  out.calibrated = fitted({});
+  out.freed = fitted(numbers_of(model));
+  return out;
+}
+
 bool is_free(const Unknown& u) {
   return u.effect == kBaseline && !std::isfinite(u.prior_std);
 }
@@ -107,21 +128,22 @@ std::optional<double> window_of_drift(const Dataset& dataset, const PlantModel& 
 Choice choose(const Dataset& dataset, const PlantModel& model) {
   Choice out;
   if (model.baseline.drive != Drive::Force) return out;
-  if ((out.window = window_of_drift(dataset, model))) {
+  out.window = window_of_drift(dataset, model);
+  Comparison now = compared(dataset, model, out.window);
+  if (out.window) {
+    Comparison whole = compared(dataset, model, std::nullopt);
+    if (whole.least() < now.least()) now = std::move(whole), out.window.reset();
+  }
+  if (out.window)
     out.reason = fmt::format(
         "Without a spring small errors add up, so runs are compared in windows of {:.2g} s that start from "
         "the "
         "measured motion.",
         *out.window);
-  }
-  const Evidence evidence = prepare(dataset, model, out.window, Sampling::Coarse);
-  Hypothesis calibrated = baseline_hypothesis(model, {});
-  Hypothesis freed = baseline_hypothesis(model, numbers_of(model));
-  fit(calibrated, evidence, kIterations);
-  fit(freed, evidence, kIterations);
-  const double kept = score_model(calibrated, evidence).square, best = score_model(freed, evidence).square;
-  if (!(excess(best, evidence) < kHalved * excess(kept, evidence))) return out;
-  estimate_uncertainty(freed, evidence);
+  if (!(excess(now.freed.square, now.evidence) < kHalved * excess(now.calibrated.square, now.evidence)))
+    return out;
+  Hypothesis& freed = now.freed.hypothesis;
+  estimate_uncertainty(freed, now.evidence);
   bool moved = false;
   for (const Unknown& u : freed.unknowns) {
     // One that the data move far without determining it would be wrong as it is: a spring that is not there.

@@ -19,9 +19,10 @@ struct Choice {
 };
 
 // Only for drive = "force": a stage's parameters are measured by its calibration. A mechanism without a
-// spring integrates every small error, so it is cut into windows. A parameter is free where the data
-// determine it to better than a fifth, or want it far from the model's value; where they want one a tenth
-// away, and the misfit falls by half.
+// spring integrates every small error, so it is cut into windows, unless whole runs leave less: where the
+// sensor is coarse, the motion with which a window starts is known worse than rest. A parameter is free where
+// the data determine it to better than a fifth, or want it far from the model's value; where they want one a
+// tenth away, and the misfit falls by half.
 Choice choose(const Dataset& dataset, const PlantModel& model);
 
 // Windows for a mechanism that drifts: none where a spring holds it, or for a stage.
