@@ -87,7 +87,8 @@ std::string parameter_sentence(const GapFinding& finding) {
 std::string rejected_sentence(const RejectedName& rejected) {
   if (rejected.effects.empty()) return "";
   std::vector<std::string> names;
-  for (const std::string& name : rejected.effects) names.push_back(readable_name(name));
+  for (const std::string& name : rejected.effects)  // an effect, or "another value of c_s"
+    names.push_back(name.find(' ') == std::string::npos ? readable_name(name) : name);
   return fmt::format(" The nearest, {}, closes {:.0f} % of it and is not its name: {}.",
                      joined(names, " with "), 100.0 * rejected.gap_closed, joined(rejected.objections, "; "));
 }

@@ -388,5 +388,20 @@ TEST(UndamagedRecording, WithAnyHiddenEffectIsNotBlocked) {
   EXPECT_TRUE(blocked.empty()) << fmt::format("{}", fmt::join(blocked, "\n"));
 }
 
+// One that lifts plate A like a weight that is not there, or presses on it like one that is twice as large.
+TEST(UndamagedRecording, WithAConstantForceBesideItsWeightsIsNotBlocked) {
+  for (const double force : {-0.4, -0.3, -0.2, -0.15, -0.1, 0.1, 0.2, 0.3}) {
+    HiddenCase one;
+    one.kind = HiddenKind::Single;
+    one.terms = {{"external_force", force}};
+    one.seed = 4711;
+    one.length = 0.35;
+    const Dataset data = make_hidden(one);
+    const sim::PlantModel model = sim::parse_model(baseline_model(one), "model.toml");
+    for (const DataRemark& remark : sim::gap::examine(data, model, sim::gap::noise_of(data)))
+      EXPECT_FALSE(remark.blocks) << force << ": " << remark.sentence;
+  }
+}
+
 }  // namespace
 }  // namespace biopsy::hidden

@@ -22,7 +22,9 @@ using Drive = double (*)(double time);
 
 RecordedRun turned(const Motor& motor, const std::string& name, double gain, Drive drive, Dice& dice) {
   constexpr int kRows = 300;
-  RecordedRun run{.name = name, .file = name, .period = 0.01};
+  RecordedRun run;
+  run.name = run.file = name;
+  run.period = 0.01;
   double x = 0.0, v = 0.0;
   for (int i = 0; i < kRows; ++i) {
     const double t = run.period * i, u = gain * drive(t);

@@ -1,10 +1,11 @@
 // on_steady_host [--patience S] [--slowed LIBRARY] COMMAND [ARGUMENT ...]: runs a command that judges a robot
 // in real time, and watches this machine meanwhile. The exit code is the command's; but 77, "not judged",
 // where it failed, or came to no end in S seconds (120), on a machine that stood still so often that three
-// tries of ten seconds all meet a stall in more than one case of twenty. A command that ends with 4 says that
-// its failure is not one of time: that is judged on any machine. With --slowed a command that was not judged
-// runs once more, with four times the patience (at once, where that is plain after half a minute), and is
-// told by CLOCK_SPEED=0.25 in its environment to slow the clocks of its robot; SLOWED_WAITS is the library
+// tries of ten seconds all meet a stall in more than one case of twenty; without --patience it is given half
+// a minute only, where they meet one in nearly every case. A command that ends with 4 says that its failure
+// is not one of time: that is judged on any machine. With --slowed a command that was not judged runs once
+// more, with four times the patience (at once, where that half minute tells it), and is told by
+// CLOCK_SPEED=0.25 in its environment to slow the clocks of its robot; SLOWED_WAITS is the library
 // (slowed_waits) that this takes. REPEATS_UNTIL, in seconds since 1970, ends that run.
 #include <fmt/format.h>
 #include <spawn.h>
@@ -46,7 +47,7 @@ bool ends(pid_t child, int& status, const auto& goes_on) {
   return true;
 }
 
-int run(char* const* command, double patience_s, bool has_other_clock) {
+int run(char* const* command, double patience_s, bool gives_up) {
   pid_t child = -1;
   posix_spawnattr_t own_group;
   posix_spawnattr_init(&own_group);
@@ -64,9 +65,8 @@ int run(char* const* command, double patience_s, bool has_other_clock) {
   const auto is_steady = [&] { return host.stalls() * kOften_s < seconds(); };
   const auto is_hopeless = [&] { return seconds() > kLook_s && host.stalls() * kHopeless_s > seconds(); };
   int status = 0;
-  const bool ended = ends(child, status, [&] {
-    return (seconds() < patience_s || is_steady()) && !(has_other_clock && is_hopeless());
-  });
+  const bool ended = ends(
+      child, status, [&] { return (seconds() < patience_s || is_steady()) && !(gives_up && is_hopeless()); });
   const bool steady = is_steady();
   fmt::print("this machine stood still {} times in {:.0f} s, for {:.1f} ms at most\n", host.stalls(),
              seconds(), host.worst_ms());
@@ -107,7 +107,7 @@ int main(int count, char** words) {
         kPatienceMax_s);
     return 2;
   }
-  const int code = run(words + at, patience_s, slowed != nullptr);
+  const int code = run(words + at, patience_s, slowed != nullptr || patience_s == kPatience_s);
   if (code != kNotJudged || slowed == nullptr) return code;
   setenv("CLOCK_SPEED", fmt::format("{}", kClockSpeeds.front()).c_str(), 1);
   setenv("SLOWED_WAITS", slowed, 1);
