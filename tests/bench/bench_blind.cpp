@@ -164,7 +164,7 @@ int run(const Options& options) {
   for (const Method& peer : peers) columns.emplace_back(peer.name, peer.score);
   fmt::print("\n{}\n", score_table(columns));
   if (!options.keep.empty())
-    write_figures("blind",
+    write_figures(options.peers == "none" ? "blind-whole" : "blind",
                   {options.keep, "explanation/gap-search.md", "g++ " __VERSION__, score_rows(columns)});
   fmt::print(
       "Named with less than half of the gap closed: {}. Outside the library and unexplained: {}; a term "
