@@ -81,11 +81,10 @@ void add_constant_input(std::vector<std::string>& out, const Selection& selectio
   const double input = evidence.runs.front().rows.front().input;
   for (const EvidenceRun& run : evidence.runs)
     if (!std::ranges::all_of(run.rows, [&](const Row& row) { return row.input == input; })) return;
-  out.push_back(
-      fmt::format("the input is {:.4g} in all runs, where a force that is always there looks like a wrong "
-                  "unit or sign of "
-                  "it: record another input",
-                  input));
+  out.push_back(fmt::format(
+      "the input is {:.4g} in all runs, where a constant force looks like a wrong unit or sign of "
+      "it: record another input",
+      input));
 }
 
 // Of each effect at least one strength, and where and above which level it acts, must be known.

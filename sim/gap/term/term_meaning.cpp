@@ -31,9 +31,7 @@ std::string term_meaning(const TermPowers& strongest, bool on_stack) {
            "whose "
            "gap changes";
   if (speed > 0 && power(TermFactor::Speed) % 2 == 0)
-    return "a force of one direction that grows with the speed of either, such as of a flow or of a cable "
-           "that "
-           "is dragged along";
+    return "a force of one direction that grows with the speed of either, such as of a flow";
   if (speed > 0)
     return "a drag that grows otherwise than with the speed or its square, such as flow through a gap, a "
            "seal "

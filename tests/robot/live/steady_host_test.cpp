@@ -10,8 +10,11 @@
 #include <condition_variable>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
 
 #include "robot/cycle/stop_cause.hpp"
@@ -88,34 +91,60 @@ TEST(SlowedClock, PassesNothingThatEndsWithoutAResult) {
   EXPECT_EQ(repeat_with_slowed_clock(), Repeated::Failed);
 }
 
+// What a test of this process sets in the environment is as it was for the next one.
+class Environment {
+ public:
+  explicit Environment(const char* name) : name_(name) {
+    if (const char* value = std::getenv(name)) before_ = value;
+  }
+  ~Environment() { before_ ? set(*before_) : unset(); }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+  void set(const std::string& value) const { setenv(name_, value.c_str(), 1); }
+  void unset() const { unsetenv(name_); }
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+// Of all processes of this machine.
+int sleeping_for(const std::string& seconds) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc"))
+    count += static_cast<int>(read_file_if_present(entry.path() / "cmdline") ==
+                              std::string("sleep") + '\0' + seconds + '\0');
+  return count;
+}
+
 // Of a session of its own, as a robot's processes are, which would hold the names of the next robot.
 TEST(SlowedClock, LeavesNoProcessWhereItIsEnded) {
   if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
+  static constexpr const char* kItsOwn = "613.0429";  // s, of no other process
   if (is_clock_slowed()) {
-    EXPECT_EQ(std::system("setsid sleep 600"), 0);
+    EXPECT_EQ(std::system(fmt::format("setsid sleep {}", kItsOwn).c_str()), 0);
     return;
   }
-  const std::vector<pid_t> before = children();
-  const std::string until_s = std::to_string(std::time(nullptr) + 3);
-  setenv("REPEATS_UNTIL", until_s.c_str(), 1);
+  const Environment until("REPEATS_UNTIL");
+  until.set(std::to_string(std::time(nullptr) + 3));
   EXPECT_EQ(repeat_with_slowed_clock(), Repeated::Skipped);
-  unsetenv("REPEATS_UNTIL");
-  EXPECT_EQ(children(), before);
+  EXPECT_EQ(sleeping_for(kItsOwn), 0);
 }
 
 TEST(SlowedClock, StartsNothingOnceTimeIsUp) {
   if constexpr (!can_slow_the_clock()) GTEST_SKIP() << "a sanitizer bears no slowed clock";
   ASSERT_FALSE(is_clock_slowed()) << "it was started";
-  setenv("REPEATS_UNTIL", "1000000000", 1);
+  const Environment until("REPEATS_UNTIL");
+  until.set("1000000000");
   EXPECT_EQ(repeat_with_slowed_clock(), Repeated::Skipped);
-  unsetenv("REPEATS_UNTIL");
 }
 
 TEST(SlowedClock, JudgesADeadlineOnlyWhereThatIsAskedFor) {
-  unsetenv("SLOWED_DEADLINES");
+  const Environment deadlines("SLOWED_DEADLINES");
+  deadlines.unset();
   EXPECT_FALSE(can_a_slowed_clock_judge(Asserts::Deadline));
   EXPECT_EQ(can_a_slowed_clock_judge(Asserts::Order), can_slow_the_clock());
-  setenv("SLOWED_DEADLINES", "1", 1);
+  deadlines.set("1");
   EXPECT_EQ(can_a_slowed_clock_judge(Asserts::Deadline), can_slow_the_clock());
 }
 

@@ -120,6 +120,27 @@ GapFinding example_proposed() {
   return f;
 }
 
+TEST(GapSentence, NamesTheRivalsThatTheRunsLeave) {
+  GapFinding f = example_effect();
+  f.effects.resize(1);
+  f.effects[0].probability = 0.55;
+  f.effects[0].confused_with = {{"lugre_friction", 0.41}, {"backlash", 0.02}};
+  EXPECT_NE(verdict_sentence(f).find("do not tell it (0.55) from LuGre friction (0.41)."), std::string::npos)
+      << verdict_sentence(f);
+  f.effects[0].probability = 0.97;
+  EXPECT_EQ(verdict_sentence(f).find("do not tell"), std::string::npos);
+}
+
+TEST(GapSentence, SaysWhichRunsDifferAndKeepsTheNamesOfNumbers) {
+  GapFinding f = example_unexplained();
+  f.rejected = {
+      .effects = {"another value of c_s"}, .gap_closed = 0.7, .rmse_after = 0.1, .objections = {"a reason"}};
+  EXPECT_NE(verdict_sentence(f).find("The nearest, another value of c_s,"), std::string::npos)
+      << verdict_sentence(f);
+  f.rmse_before = 12.69, f.noise_floor = 12.70;
+  EXPECT_EQ(verdict_sentence(f).find("On the runs that were held out"), 0U) << verdict_sentence(f);
+}
+
 TEST(GapProposal, IsSaidAsAnEquationAndNotAsAName) {
   const GapFinding f = example_proposed();
   for (const std::string& text : {f.sentence, gap_console(f)}) {

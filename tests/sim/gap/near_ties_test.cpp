@@ -154,6 +154,40 @@ TEST(NearTies, LeaveNoNameThatLeavesMuchOfTheMotion) {
   EXPECT_FALSE(say_much_is_left(0.6e-3));
 }
 
+bool any_says(const std::vector<std::string>& objections, const std::string& words) {
+  return std::ranges::any_of(objections,
+                             [&](const std::string& one) { return one.find(words) != std::string::npos; });
+}
+
+// Held out is a motion of 0.5 mm (RMS) in a range of 5 mm; the model that was given strays by 20 mm.
+TEST(NearTies, LeaveNoNameThatFollowsLittleOfAMotionFarBelowItsRange) {
+  Evidence evidence = readings_of_a_mass_at_rest();
+  for (std::size_t i = 0; i < kRows; ++i) evidence.runs[1].rows[i].measured += i % 2 == 0 ? 0.5e-3 : -0.5e-3;
+  for (const auto& [left, says] : {std::pair{0.4e-3, true}, {0.3e-3, true}, {0.2e-3, false}}) {
+    Selection selection{.start = {}, .best = {}, .fits = {}, .selected = {}};
+    selection.start.square = 20e-3 * 20e-3;
+    selection.best.square = left * left;
+    selection.start.hypothesis = selection.best.hypothesis = mass_with_zero_at(0.0);
+    EXPECT_EQ(any_says(objections(selection, evidence, evidence), "of a held-out motion of 0.5 mm"), says)
+        << left;
+  }
+}
+
+TEST(NearTies, LeaveNoExternalForceWhereTheInputNeverChanges) {
+  const int effect = effect_named("external_force");
+  Selection selection{.start = {}, .best = {}, .fits = {}, .selected = {}};
+  selection.start.square = kGap * kGap;
+  selection.best.square = kReadingNoise * kReadingNoise;
+  selection.start.hypothesis = selection.best.hypothesis = mass_with_zero_at(0.0);
+  selection.selected.push_back({{.effect = effect}, 0.9, {}});
+  Evidence evidence = readings_of_a_mass_at_rest();
+  for (EvidenceRun& run : evidence.runs)
+    for (Row& row : run.rows) row.input = 9.0;
+  EXPECT_TRUE(any_says(objections(selection, evidence, evidence), "the input is 9 in all runs"));
+  evidence.runs[1].rows[7].input = 8.0;
+  EXPECT_FALSE(any_says(objections(selection, evidence, evidence), "the input is"));
+}
+
 // The number closes as much by chance where the name leaves only noise: then it is beside the point.
 TEST(NearTies, LeaveANameThatLeavesOnlyNoise) {
   EXPECT_TRUE(objections_beside_a_number(13e-6, 0.80).empty());
