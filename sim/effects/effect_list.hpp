@@ -32,6 +32,7 @@
 #include "sim/effects/stage/directional_damping.hpp"
 #include "sim/effects/stage/end_stop.hpp"
 #include "sim/effects/stage/external_force.hpp"
+#include "sim/effects/stage/hardening_hysteresis.hpp"
 #include "sim/effects/stage/hysteretic_spring.hpp"
 #include "sim/effects/stage/load_dependent_friction.hpp"
 #include "sim/effects/stage/lugre_friction.hpp"
@@ -64,6 +65,7 @@ struct Effects {
   std::optional<AsymmetricSpring> asymmetric_spring;
   std::optional<PiecewiseSpring> piecewise_spring;
   std::optional<HystereticSpring> hysteretic_spring;
+  std::optional<HardeningHysteresis> hardening_hysteresis;
   std::optional<QuadraticDamping> quadratic_damping;
   std::optional<DirectionalDamping> directional_damping;
   std::optional<ExternalForce> external_force;
@@ -84,23 +86,41 @@ struct Effects {
   std::optional<SensorNoise> sensor_noise;
 };
 
-inline constexpr std::tuple kEffectOrder{&Effects::voltage_saturation,   &Effects::amplifier_lag,
-                                         &Effects::charge_retention,     &Effects::polarity_asymmetry,
-                                         &Effects::voltage_threshold,    &Effects::voltage_power,
-                                         &Effects::zipping_capacitance,  &Effects::film_hysteresis,
-                                         &Effects::zipping_hysteresis,   &Effects::residual_set,
-                                         &Effects::pouch_creep,          &Effects::slow_unzipping,
-                                         &Effects::added_mass,           &Effects::spring_hardening,
-                                         &Effects::asymmetric_spring,    &Effects::piecewise_spring,
-                                         &Effects::hysteretic_spring,    &Effects::quadratic_damping,
-                                         &Effects::directional_damping,  &Effects::external_force,
-                                         &Effects::periodic_disturbance, &Effects::end_stop,
-                                         &Effects::coulomb_friction,     &Effects::stribeck_friction,
-                                         &Effects::lugre_friction,       &Effects::load_dependent_friction,
-                                         &Effects::layer_puncture,       &Effects::shaft_friction,
-                                         &Effects::tissue_relaxation,    &Effects::backlash,
-                                         &Effects::sensor_lag,           &Effects::sensor_scale,
-                                         &Effects::sensor_drift,         &Effects::sensor_offset,
+inline constexpr std::tuple kEffectOrder{&Effects::voltage_saturation,
+                                         &Effects::amplifier_lag,
+                                         &Effects::charge_retention,
+                                         &Effects::polarity_asymmetry,
+                                         &Effects::voltage_threshold,
+                                         &Effects::voltage_power,
+                                         &Effects::zipping_capacitance,
+                                         &Effects::film_hysteresis,
+                                         &Effects::zipping_hysteresis,
+                                         &Effects::residual_set,
+                                         &Effects::pouch_creep,
+                                         &Effects::slow_unzipping,
+                                         &Effects::added_mass,
+                                         &Effects::spring_hardening,
+                                         &Effects::asymmetric_spring,
+                                         &Effects::piecewise_spring,
+                                         &Effects::hysteretic_spring,
+                                         &Effects::hardening_hysteresis,
+                                         &Effects::quadratic_damping,
+                                         &Effects::directional_damping,
+                                         &Effects::external_force,
+                                         &Effects::periodic_disturbance,
+                                         &Effects::end_stop,
+                                         &Effects::coulomb_friction,
+                                         &Effects::stribeck_friction,
+                                         &Effects::lugre_friction,
+                                         &Effects::load_dependent_friction,
+                                         &Effects::layer_puncture,
+                                         &Effects::shaft_friction,
+                                         &Effects::tissue_relaxation,
+                                         &Effects::backlash,
+                                         &Effects::sensor_lag,
+                                         &Effects::sensor_scale,
+                                         &Effects::sensor_drift,
+                                         &Effects::sensor_offset,
                                          &Effects::sensor_noise};
 
 // Calls visit(optional effect) for each effect of the library.

@@ -15,7 +15,7 @@ struct HystereticSpring {
   double stiffness = 0.0;  // N/m
   double yield = 0.5e-3;   // m
   double sharpness = 2.0;  // exponent n: 1 a smooth bend, large a corner
-  double beta = 0.5;       // share of the reversible part: 0.5 unloads with the full stiffness
+  double beta = 0.5;       // gamma/(gamma + delta): 0.5 unloads with the full stiffness, more with more
   double across = 0.0;     // 0: against the frame, 1: across the series spring
 
   using State = double;  // m, inner displacement z
@@ -25,7 +25,7 @@ struct HystereticSpring {
   double spring_push(const SpringMotion& s, double z) const { return s.on_stack ? -across * pull(z) : 0.0; }
   double bounded(double z) const { return std::clamp(z, -yield, yield); }
   double state_rate(const Flow& f, double z) const { return rate(f.v - across * f.n * f.dH, bounded(z)); }
-  Steepness steepest(const Reach&) const { return {.stiffness = stiffness}; }
+  Steepness steepest(const Reach&) const { return {.stiffness = stiffness * std::max(1.0, 2.0 * beta)}; }
   double rate(double v, double z) const {
     const double turn = v * z > 0.0 ? beta : v * z < 0.0 ? -beta : 0.0;
     const double share = std::abs(z) / yield;
@@ -49,7 +49,7 @@ struct HystereticSpring {
         Parameter<E>{"yield_mm", &E::yield, 1e-3, 1e-4, 1e4, 0.5, "displacement at which it yields",
                      Role::Shape},
         Parameter<E>{"sharpness", &E::sharpness, 1.0, 1.0, 6.0, 2.0, "exponent n of the bend", Role::Shape},
-        Parameter<E>{"beta", &E::beta, 1.0, 0.05, 1.0, 0.5, "how much a reversal stiffens it", Role::Shape},
+        Parameter<E>{"beta", &E::beta, 1.0, 0.05, 5.0, 0.5, "how much a reversal stiffens it", Role::Shape},
         Parameter<E>{"across_share", &E::across, 1.0, 0.0, 1.0, 0.0,
                      "0: between plate A and the frame, 1: across the series spring", Role::Shape,
                      kMayBeLeftOut}};

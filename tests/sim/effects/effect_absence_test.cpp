@@ -99,7 +99,7 @@ TEST(Effects, HaveUniqueNamesTextsAndParametersWithUnitsAndRanges) {
       EXPECT_LE(parameter.typical, parameter.high) << parameter.name;
     }
   });
-  EXPECT_EQ(names.size(), 35U);
+  EXPECT_EQ(names.size(), 36U);
 }
 
 }  // namespace

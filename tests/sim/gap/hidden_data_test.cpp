@@ -58,7 +58,8 @@ TEST(HiddenCases, CoverEveryEffectTwiceAndAllKinds) {
                                       "piecewise_spring",
                                       "directional_damping",
                                       "slow_unzipping",
-                                      "voltage_power"};
+                                      "voltage_power",
+                                      "hardening_hysteresis"};
   std::map<std::string, std::set<double>> strengths;
   std::map<HiddenKind, int> kinds;
   std::set<std::string> names, outside, hundred;

@@ -74,6 +74,7 @@ constexpr CatalogueEntry kLibrary[] = {
     {"directional_damping", 0.3, 1.5, [](P& p, double s) { p.valve = s; }, {{{"more_N_s_per_m", -1.0}}}},
     {"slow_unzipping", 0.8, 2.0, [](P& p, double s) { p.slow_fall = s; }, {{{"share"}}}},
     {"voltage_power", 0.08, 0.3, [](P& p, double s) { p.weak_field = s; }, {{{"deficit"}}}},
+    {"hardening_hysteresis", 40.0, 120.0, [](P& p, double s) { p.rope = s; }},
 };
 
 // Why none of them is a library effect plus small parameters stands beside each.

@@ -94,6 +94,10 @@ double HiddenForces::resisting(double t, double x, double v, double drive, doubl
     const double level = p_.side_load * std::abs(drive);
     force += side_.advance(v, level, level / kBend, mass_, h);
   }
+  if (p_.rope > 0.0) {  // A = 1, beta = 2.1 / length, gamma = -3.1 / length
+    rope_ += h * (v + (3.1 * v - 2.1 * std::copysign(v, rope_)) * std::abs(rope_) / p_.rope_length);
+    force += p_.rope * rope_;
+  }
   if (p_.wave_force > 0.0)
     force += p_.wave_force * std::sin(2.0 * std::numbers::pi * p_.wave_hz * t + phase_);
   if (p_.stop_at > 0.0 && x > p_.stop_at) {  // Hunt and Crossley

@@ -31,7 +31,7 @@ class HiddenForces {
   double mass_, phase_;
   Dice dice_;
   Bristle slider_, side_, shaft_;
-  double bouc_ = 0.0, maxwell_ = 0.0, collapse_ = 1.0;
+  double bouc_ = 0.0, rope_ = 0.0, maxwell_ = 0.0, collapse_ = 1.0;
   bool punctured_ = false;
   double next_shock_ = 0.0, shock_sign_ = 1.0;
 };

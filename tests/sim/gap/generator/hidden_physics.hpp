@@ -45,6 +45,7 @@ struct HiddenPhysics {
   double second_spring = 0, second_at = 0.4e-3;  // of k, reached after so much deflection (m) either way
   double valve = 0;                              // N s/m, while plate A falls
   double bouc_force = 0, bouc_length = 0.8e-3;   // N, m; Bouc-Wen in (A, beta, gamma)
+  double rope = 0, rope_length = 2e-3;           // N/m, m; Bouc-Wen that hardens, on plate A
   double play = 0;                               // m, half of the free play
   double stop_at = 0, stop_stiffness = 2e6;      // m, N/m^1.5 (Hertz)
   double extra_mass = 0, push = 0;               // kg, N (down)
