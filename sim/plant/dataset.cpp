@@ -90,6 +90,9 @@ void check_roles(const Dataset& dataset, const std::string& file) {
 
 Dataset read_dataset(const std::filesystem::path& folder, Drive drive) {
   const std::filesystem::path file = folder / "dataset.toml";
+  if (std::filesystem::is_regular_file(folder))
+    throw ConfigError("a file, where a folder is meant", folder.string(),
+                      "give the folder that holds dataset.toml and its CSV files");
   if (!std::filesystem::exists(file))
     throw ConfigError("no dataset.toml", folder.string(),
                       "give the folder that holds dataset.toml and its CSV files");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace biopsy::sim {
 namespace {
@@ -20,21 +21,31 @@ double size(const TermRange& range) {
   return std::max(std::abs(range.low), std::abs(range.high));
 }
 
+double root(double speed, double slow) {
+  return speed == 0.0 ? 0.0 : std::abs(speed) / std::sqrt(std::max(std::abs(speed), slow));
+}
+
 // The largest size of a product, and of its derivatives to position and speed, where each variable stays
 // within these sizes.
 struct Bound {
   double product, by_position, by_speed;
 };
 
-Bound bound_of(const TermPowers& powers, const TermPoint& sizes) {
+// `waves`: rad/m.
+Bound bound_of(const TermPowers& powers, const TermPoint& sizes, double waves) {
   const auto power = [&](TermFactor factor) { return power_of(powers, factor); };
   const int x = power(TermFactor::Position), v = power(TermFactor::Speed) + power(TermFactor::SpeedSize);
   const double rest = raised(sizes.drive, power(TermFactor::Drive) + power(TermFactor::DriveSize)) *
                       raised(sizes.memory, power(TermFactor::Memory));
+  const bool rooted = power(TermFactor::SpeedRoot) > 0 && sizes.slow > 0.0;
+  const double by_root = rooted ? root(sizes.v, sizes.slow) : 1.0;
   const double at_x = raised(sizes.x, x), at_v = raised(sizes.v, v);
-  return {.product = rest * at_x * at_v,
-          .by_position = x == 0 ? 0.0 : rest * at_v * x * raised(sizes.x, x - 1),
-          .by_speed = v == 0 ? 0.0 : rest * at_x * v * raised(sizes.v, v - 1)};
+  Bound out{.product = rest * at_x * at_v * by_root, .by_position = 0.0, .by_speed = 0.0};
+  if (x > 0) out.by_position += rest * at_v * by_root * x * raised(sizes.x, x - 1);
+  if (repeats_with_position(powers)) out.by_position += out.product * waves;
+  if (v > 0) out.by_speed += rest * at_x * by_root * v * raised(sizes.v, v - 1);
+  if (rooted) out.by_speed += rest * at_x * at_v / std::sqrt(sizes.slow);
+  return out;
 }
 
 }  // namespace
@@ -47,7 +58,14 @@ double product_at(const TermPowers& powers, const TermPoint& at) {
       raised(std::abs(at.drive), power(TermFactor::DriveSize)) * raised(at.memory, power(TermFactor::Memory));
   if (power(TermFactor::SpeedSign) > 0) out *= sign(at.v);
   if (power(TermFactor::DriveSign) > 0) out *= sign(at.drive);
+  if (power(TermFactor::SpeedRoot) > 0) out *= root(at.v, at.slow);
+  if (power(TermFactor::PositionSine) > 0) out *= std::sin(at.phase);
+  if (power(TermFactor::PositionCosine) > 0) out *= std::cos(at.phase);
   return out;
+}
+
+double wave_number(double period) {
+  return period > 0.0 ? 2.0 * std::numbers::pi / period : 0.0;
 }
 
 TermPoint TermRanges::within(const TermPoint& at) const {
@@ -57,8 +75,15 @@ TermPoint TermRanges::within(const TermPoint& at) const {
           .memory = std::clamp(at.memory, memory.low, memory.high)};
 }
 
+TermPoint Term::seen_at(const TermPoint& at) const {
+  TermPoint here = seen.within(at);
+  here.slow = kSlowShare * size(seen.v);
+  here.phase = wave_number(period) * here.x;
+  return here;
+}
+
 double Term::force(const TermPoint& at) const {
-  const TermPoint here = seen.within(at);
+  const TermPoint here = seen_at(at);
   double sum = 0.0;
   for (const TermPart& part : parts)
     if (!acts_at_rest(part.powers)) sum += part.coefficient * product_at(part.powers, here);
@@ -66,7 +91,7 @@ double Term::force(const TermPoint& at) const {
 }
 
 double Term::dry_friction(const TermPoint& at) const {
-  TermPoint here = seen.within(at);
+  TermPoint here = seen_at(at);
   here.v =
       1.0;  // only its sign acts; the equation gives the force up, which then opposes the motion if negative
   double sum = 0.0;
@@ -83,10 +108,11 @@ Steepness Term::steepest(const Reach& reach) const {
   const TermPoint sizes{.x = std::min(reach.x, size(seen.x)),
                         .v = std::min(reach.v, size(seen.v)),
                         .drive = size(seen.drive),
-                        .memory = size(seen.memory)};
+                        .memory = size(seen.memory),
+                        .slow = kSlowShare * size(seen.v)};
   Steepness out{.rate = memory_time > 0.0 ? 1.0 / memory_time : 0.0};
   for (const TermPart& part : parts) {
-    const Bound bound = bound_of(part.powers, sizes);
+    const Bound bound = bound_of(part.powers, sizes, wave_number(period));
     out.stiffness += std::abs(part.coefficient) * bound.by_position;
     out.damping += std::abs(part.coefficient) * bound.by_speed;
   }
@@ -94,10 +120,14 @@ Steepness Term::steepest(const Reach& reach) const {
 }
 
 double Term::largest_force() const {
+  const TermPoint sizes{.x = size(seen.x),
+                        .v = size(seen.v),
+                        .drive = size(seen.drive),
+                        .memory = size(seen.memory),
+                        .slow = kSlowShare * size(seen.v)};
   double sum = 0.0;
   for (const TermPart& part : parts)
-    sum += std::abs(part.coefficient) *
-           bound_of(part.powers, {size(seen.x), size(seen.v), size(seen.drive), size(seen.memory)}).product;
+    sum += std::abs(part.coefficient) * bound_of(part.powers, sizes, wave_number(period)).product;
   return sum;
 }
 

@@ -13,7 +13,9 @@ namespace biopsy::sim {
 
 // What a product is made of. Drive: the voltage that pulls, V, or the force where a force drives, N.
 // Memory: how far plate A is from where it was, forgotten with the term's time constant T, m:
-// dq/dt = v - q/T, the deflection of a spring in series with a damper.
+// dq/dt = v - q/T, the deflection of a spring in series with a damper. Sine and cosine are of the position,
+// with the term's period. A root of the speed is a line below kSlowShare of the largest speed seen, as that
+// of a flow is.
 enum class TermFactor : std::uint8_t {
   Position,
   Speed,
@@ -22,12 +24,16 @@ enum class TermFactor : std::uint8_t {
   Drive,
   DriveSize,
   DriveSign,
-  Memory
+  Memory,
+  SpeedRoot,
+  PositionSine,
+  PositionCosine
 };
-inline constexpr std::size_t kTermFactors = 8;
+inline constexpr std::size_t kTermFactors = 11;
 inline constexpr std::size_t kMostTermParts = 6;
 inline constexpr std::size_t kMostTerms = 4;  // of a model
 inline constexpr int kHighestPower = 6;
+inline constexpr double kSlowShare = 0.01;
 
 using TermPowers = std::array<std::uint8_t, kTermFactors>;  // by TermFactor
 
@@ -42,8 +48,14 @@ struct TermPart {
   bool operator==(const TermPart&) const = default;
 };
 
+inline bool repeats_with_position(const TermPowers& powers) {
+  return power_of(powers, TermFactor::PositionSine) > 0 || power_of(powers, TermFactor::PositionCosine) > 0;
+}
+
 struct TermPoint {
   double x = 0.0, v = 0.0, drive = 0.0, memory = 0.0;  // m, m/s, V or N, m
+  double slow = 0.0;                                   // m/s, below which a root of the speed is a line
+  double phase = 0.0;                                  // rad, of what repeats with position
 };
 
 // Product of the factors, SI.
@@ -52,7 +64,7 @@ double product_at(const TermPowers& powers, const TermPoint& at);
 // Whether the product jumps where plate A turns, so that it can hold the plate: dry friction.
 inline bool acts_at_rest(const TermPowers& powers) {
   return power_of(powers, TermFactor::SpeedSign) > 0 && power_of(powers, TermFactor::Speed) == 0 &&
-         power_of(powers, TermFactor::SpeedSize) == 0;
+         power_of(powers, TermFactor::SpeedSize) == 0 && power_of(powers, TermFactor::SpeedRoot) == 0;
 }
 
 struct TermRange {
@@ -75,6 +87,7 @@ struct Term {
   std::vector<TermPart> parts;  // at most kMostTermParts
   TermRanges seen;
   double memory_time = 0.0;  // s; 0 where no part has memory
+  double period = 0.0;       // m; 0 where no part repeats with position
 
   double force(const TermPoint& at) const;  // N, up, without its dry friction
   // N against the motion; nothing where the equation would push along it.
@@ -84,6 +97,12 @@ struct Term {
   double largest_force() const;  // N, bound over `seen`
 
   bool operator==(const Term&) const = default;
+
+ private:
+  TermPoint seen_at(const TermPoint& at) const;
 };
+
+// Of a period [m], rad/m; 0 without one.
+double wave_number(double period);
 
 }  // namespace biopsy::sim

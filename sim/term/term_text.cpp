@@ -16,8 +16,8 @@ constexpr double kLongestMemory = 1e4;  // s
 constexpr double kShortestMemory = 1e-3;
 
 // In the order of TermFactor.
-constexpr std::array<std::string_view, kTermFactors> kFactors{"x", "v",   "|v|",     "sign(v)",
-                                                              "u", "|u|", "sign(u)", "q"};
+constexpr std::array<std::string_view, kTermFactors> kFactors{
+    "x", "v", "|v|", "sign(v)", "u", "|u|", "sign(u)", "q", "|v|^0.5", "sin(kx)", "cos(kx)"};
 
 int total_power(const TermPowers& powers, std::initializer_list<TermFactor> factors) {
   int sum = 0;
@@ -27,8 +27,8 @@ int total_power(const TermPowers& powers, std::initializer_list<TermFactor> fact
 
 [[noreturn]] void refuse(const std::string& what, const std::string& place) {
   throw ConfigError("`expression`: " + what, place,
-                    "write a sum of letters a, b, ... times products of x, v, |v|, sign(v), u, |u|, sign(u) "
-                    "and q, as \"a v^3 + b x v\"");
+                    "write a sum of letters a, b, ... times products of x, v, |v|, |v|^0.5, sign(v), u, |u|, "
+                    "sign(u), q, sin(kx) and cos(kx), as \"a v^3 + b x v\"");
 }
 
 std::vector<std::string> split(const std::string& text, const std::string& separators) {
@@ -42,7 +42,8 @@ std::vector<std::string> split(const std::string& text, const std::string& separ
 }
 
 void add_factor(TermPowers& powers, const std::string& word, const std::string& place) {
-  const std::size_t hat = std::min(word.find('^'), word.size());
+  const bool whole = std::ranges::find(kFactors, word) != kFactors.end();  // "|v|^0.5" is one
+  const std::size_t hat = whole ? word.size() : std::min(word.find('^'), word.size());
   const auto* const found = std::ranges::find(kFactors, word.substr(0, hat));
   if (found == kFactors.end()) refuse(fmt::format("\"{}\" is no factor", word), place);
   int power = 1;
@@ -58,11 +59,13 @@ void add_factor(TermPowers& powers, const std::string& word, const std::string& 
                        kFactors[static_cast<std::size_t>(found - kFactors.begin())]),
            place);
   if (word.starts_with("sign") && power > 1) refuse("a sign has no power", place);
+  if ((word.starts_with("sin(") || word.starts_with("cos(")) && power > 1)
+    refuse("a sine has no power", place);
   now = static_cast<std::uint8_t>(power);
 }
 
-std::string unit_power(const char* unit, int power) {
-  return power == 1 ? unit : fmt::format("{}^{}", unit, power);
+std::string unit_power(const char* unit, double power) {
+  return power == 1.0 ? unit : fmt::format("{}^{:g}", unit, power);
 }
 
 }  // namespace
@@ -78,8 +81,9 @@ std::string product_text(const TermPowers& powers) {
 }
 
 std::string coefficient_unit(const TermPowers& powers, bool on_stack) {
-  const int speeds = total_power(powers, {TermFactor::Speed, TermFactor::SpeedSize});
-  const int metres = speeds + total_power(powers, {TermFactor::Position, TermFactor::Memory});
+  const double speeds = total_power(powers, {TermFactor::Speed, TermFactor::SpeedSize}) +
+                        0.5 * power_of(powers, TermFactor::SpeedRoot);
+  const double metres = speeds + total_power(powers, {TermFactor::Position, TermFactor::Memory});
   const int drives = total_power(powers, {TermFactor::Drive, TermFactor::DriveSize});
   std::vector<std::string> above, below;
   if (on_stack) {
@@ -127,14 +131,19 @@ std::vector<TermPart> parse_expression(const std::string& text, const std::strin
   return out;
 }
 
+bool has_period(const std::vector<TermPart>& parts) {
+  return std::ranges::any_of(parts, [](const TermPart& part) { return repeats_with_position(part.powers); });
+}
+
 std::vector<TermRangeKey> range_keys(const std::vector<TermPart>& parts, bool on_stack) {
   const auto uses = [&](std::initializer_list<TermFactor> factors) {
     return std::ranges::any_of(parts,
                                [&](const TermPart& part) { return total_power(part.powers, factors) > 0; });
   };
   std::vector<TermRangeKey> out;
-  if (uses({TermFactor::Position})) out.push_back({"x_mm", 1e-3, &TermRanges::x, 1e5, "x", "mm"});
-  if (uses({TermFactor::Speed, TermFactor::SpeedSize}))
+  if (uses({TermFactor::Position, TermFactor::PositionSine, TermFactor::PositionCosine}))
+    out.push_back({"x_mm", 1e-3, &TermRanges::x, 1e5, "x", "mm"});
+  if (uses({TermFactor::Speed, TermFactor::SpeedSize, TermFactor::SpeedRoot}))
     out.push_back({"v_mm_s", 1e-3, &TermRanges::v, 1e6, "v", "mm/s"});
   if (uses({TermFactor::Drive, TermFactor::DriveSize, TermFactor::DriveSign})) {
     if (on_stack)
@@ -158,6 +167,8 @@ Term read_term_frame(TomlTable& table, const std::string& name, bool on_stack) {
     if (key.range == &TermRanges::memory)
       term.memory_time = table.number("memory_s", kShortestMemory, kLongestMemory, "s");
   }
+  if (has_period(term.parts))
+    term.period = 1e-3 * table.number("period_mm", kShortestPeriod_mm, kLongestPeriod_mm, "mm");
   return term;
 }
 
@@ -166,6 +177,9 @@ bool can_be_written(const Term& term, bool on_stack) {
     const TermRange& seen = term.seen.*(key.range);
     return std::max(std::abs(seen.low), std::abs(seen.high)) <= key.largest * key.si_per_unit;
   };
+  const double period_mm = 1e3 * term.period;
+  if (has_period(term.parts) && !(period_mm >= kShortestPeriod_mm && period_mm <= kLongestPeriod_mm))
+    return false;
   return term.largest_force() <= kLargestForce &&
          std::ranges::all_of(range_keys(term.parts, on_stack), within);
 }

@@ -10,6 +10,8 @@
 
 namespace biopsy::sim {
 
+inline constexpr double kShortestPeriod_mm = 1e-4, kLongestPeriod_mm = 1e5;
+
 // "x |v| v": factors in a fixed order, powers as ^n.
 std::string product_text(const TermPowers& powers);
 // The unit of a coefficient whose product is to be a force: "N s^3/m^3". `on_stack`: the drive is a voltage.
@@ -24,6 +26,9 @@ inline std::string coefficient_name(std::size_t i) {
 // The products of an expression, coefficients 0. Throws ConfigError at `place`.
 std::vector<TermPart> parse_expression(const std::string& text, const std::string& place);
 
+// Whether a product repeats with position.
+bool has_period(const std::vector<TermPart>& parts);
+
 // A variable's range as a key of the table: "v_mm_s", and SI per unit of it.
 struct TermRangeKey {
   const char* name;
@@ -35,7 +40,7 @@ struct TermRangeKey {
 // Of the variables that the parts use.
 std::vector<TermRangeKey> range_keys(const std::vector<TermPart>& parts, bool on_stack);
 
-// A term without its coefficients: expression, time of its memory and ranges.
+// A term without its coefficients: expression, time of its memory, period and ranges.
 Term read_term_frame(TomlTable& table, const std::string& name, bool on_stack);
 // Whether a model file may hold the term: its force and ranges are those of such a mechanism.
 bool can_be_written(const Term& term, bool on_stack);

@@ -56,6 +56,9 @@ std::string gap_proposed_section(const GapFinding& finding) {
   if (term.memory_s > 0.0)
     html += paragraph(fmt::format("q follows x with a time constant of {} s.",
                                   estimate_text(term.memory_s, term.memory_std)));
+  if (term.period_mm > 0.0)
+    html += paragraph(
+        fmt::format("k is 2π over a period of {} mm.", estimate_text(term.period_mm, term.period_std)));
   html += paragraph(fmt::format(
       "Seen with {}; outside, the force is taken as at the edge. On held-out runs {:.3g} mm were left by the "
       "given model and {:.3g} mm by its best calibration; with the term {:.3g} mm are. It may be {}.",

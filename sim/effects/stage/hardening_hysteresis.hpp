@@ -10,7 +10,7 @@ namespace biopsy::sim {
 
 // Bouc-Wen spring whose loop stiffens as it is loaded (gamma + delta < 0), as in wire rope and rubber mounts.
 // Its inner displacement z grows faster than plate A moves, without end for an exponent above 1: it is held
-// within +-5 `scale`.
+// within +-20 `scale`.
 struct HardeningHysteresis {
   double stiffness = 0.0;  // N/m, about z = 0
   double scale = 1e-3;     // m of z at which its stiffness has doubled
@@ -23,7 +23,7 @@ struct HardeningHysteresis {
   double bounded(double z) const { return std::clamp(z, -kMost * scale, kMost * scale); }
   double state_rate(const Flow& f, double z) const { return rate(f.v, bounded(z)); }
   Steepness steepest(const Reach& reach) const {
-    const double share = std::min(kMost, std::expm1(std::min(std::abs(reach.x) / scale, 2.0)));
+    const double share = std::min(kMost, std::expm1(std::min(std::abs(reach.x) / scale, kMost)));
     return {.stiffness = stiffness * (1.0 + grown(share) * (1.0 + 2.0 * loop))};
   }
   double grown(double share) const { return exponent == 1.0 ? share : std::pow(share, exponent); }
@@ -32,7 +32,7 @@ struct HardeningHysteresis {
     return v * (1.0 + grown(std::abs(z) / scale) * (1.0 + loop * (1.0 - turn)));
   }
 
-  static constexpr double kMost = 5.0;  // |z| in scales
+  static constexpr double kMost = 20.0;  // |z| in scales
 
   static constexpr EffectInfo info{
       "hardening_hysteresis",

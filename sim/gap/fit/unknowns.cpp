@@ -16,6 +16,7 @@ constexpr double kEffectError = 0.3;        // and of an effect's parameter, whi
 constexpr double kFreeRange = 2.0;          // ln: a candidate may differ by a factor of e^2
 constexpr double kUnknownRange = 14.0;      // ln: a parameter named by --free may have any order of magnitude
 constexpr double kMemoryRange = 1.5;        // ln: between the times that were tried
+constexpr double kPeriodRange = 0.3;        // ln: likewise, with room
 constexpr double kShapeRange = 4.6;         // ln: a factor of 100, within the library's range
 
 // Films and gain act only through K^2 eps_film/d_film^2: K represents the three.
@@ -46,7 +47,8 @@ Unknown baseline_unknown(const PlantModel& model, std::size_t index, double prio
 double& term_number(PlantModel& model, std::size_t parameter) {
   Term& term = model.terms[parameter / kTermUnknowns];
   const std::size_t i = parameter % kTermUnknowns;
-  return i < kMostTermParts ? term.parts[i].coefficient : term.memory_time;
+  if (i < kMostTermParts) return term.parts[i].coefficient;
+  return i == kTermMemory ? term.memory_time : term.period;
 }
 
 void write(PlantModel& model, const Unknown& unknown, double theta) {
@@ -199,13 +201,17 @@ void add_term_unknowns(Hypothesis& hypothesis, std::size_t term) {
     hypothesis.unknowns.push_back(
         {.effect = kTerm, .parameter = first + i, .scale = scale, .theta = now / scale});
   }
-  if (added.memory_time > 0.0)
-    hypothesis.unknowns.push_back({.effect = kTerm,
-                                   .parameter = first + kMostTermParts,
-                                   .logarithmic = true,
-                                   .scale = added.memory_time,
-                                   .low = -kMemoryRange,
-                                   .high = kMemoryRange});
+  const auto add = [&](std::size_t parameter, double value, double range) {
+    if (value > 0.0)
+      hypothesis.unknowns.push_back({.effect = kTerm,
+                                     .parameter = first + parameter,
+                                     .logarithmic = true,
+                                     .scale = value,
+                                     .low = -range,
+                                     .high = range});
+  };
+  add(kTermMemory, added.memory_time, kMemoryRange);
+  add(kTermPeriod, added.period, kPeriodRange);
 }
 
 void remove_last_term(Hypothesis& hypothesis) {

@@ -14,7 +14,9 @@ namespace biopsy::sim::gap {
 
 inline constexpr int kBaseline = -1;
 inline constexpr int kTerm = -2;
-inline constexpr std::size_t kTermUnknowns = kMostTermParts + 1;  // coefficients, and the memory's time
+inline constexpr std::size_t kTermMemory = kMostTermParts, kTermPeriod = kMostTermParts + 1;
+inline constexpr std::size_t kTermUnknowns =
+    kMostTermParts + 2;  // coefficients, the memory's time, the period
 
 struct Unknown {
   int effect = kBaseline;  // index in library(), kBaseline or kTerm
@@ -58,7 +60,8 @@ const std::vector<UncertainParameter>& uncertain_baseline(Drive drive);
 // parameter of this drive.
 Hypothesis baseline_hypothesis(const PlantModel& model, const std::vector<std::string>& free);
 
-// Adds the coefficients of the model's i-th term as unknowns, and the time of its memory, if it has one.
+// Adds the coefficients of the model's i-th term as unknowns, and the time of its memory and its period, if
+// it has one.
 void add_term_unknowns(Hypothesis& hypothesis, std::size_t term);
 // Removes the model's last term with its unknowns.
 void remove_last_term(Hypothesis& hypothesis);

@@ -246,12 +246,14 @@ bool same_prediction(const ScoredModel& a, const ScoredModel& b, const Evidence&
 }
 
 bool is_hysteretic(const Candidate& candidate) {
-  return is_effect(candidate, HystereticSpring::info.name);
+  return is_effect(candidate, HystereticSpring::info.name) ||
+         is_effect(candidate, HardeningHysteresis::info.name);
 }
 
 // Their limit of no yield, or of stiff bristles, is dry friction.
 bool contains_dry_friction(const Candidate& candidate) {
-  return is_hysteretic(candidate) || is_effect(candidate, LugreFriction::info.name);
+  return is_effect(candidate, HystereticSpring::info.name) ||
+         is_effect(candidate, LugreFriction::info.name);
 }
 
 // What leaves something must at least leave far less than any other candidate, unless that is the same by

@@ -17,7 +17,7 @@ namespace {
 constexpr std::array kDictionaryTimes{0.05, 0.2, 0.8, 3.0, 12.0};  // s
 constexpr std::array kDictionaryProducts{
     "a + b x + c x^2 + d x^3 + e x^4 + f x^5",
-    "a v + b v^2 + c v^3 + d |v| v + e |v|",
+    "a v + b v^2 + c v^3 + d |v| v + e |v| + f sign(v) |v|^0.5",
     "a x v + b x^2 v + c x^3 v + d x^4 v",
     "a x |v| v + b x v^2 + c x v^3 + d x^2 |v| v",
     "a sign(v) + b x sign(v) + c x^2 sign(v) + d |u| sign(v) + e u^2 sign(v)",
@@ -29,6 +29,9 @@ constexpr std::array kDictionaryProducts{
 constexpr double kSameDirection = 1e-6;  // sine of the angle between two products' values
 constexpr double kStillSpeed = 3.0;      // of the noise of the speed
 constexpr const char* kWithMemory = "a q + b q^2";
+constexpr const char* kWithPeriod = "a sin(kx) + b cos(kx)";
+// Periods in the travel: fewer are a polynomial; half a step is 0.4 rad at the ends, which a fit finds.
+constexpr double kFewestPeriods = 1.25, kMostPeriods = 6.0, kPeriodStep = 0.25;
 
 // Fills the rows of one run from its states.
 void add_motion_row(MotionRows& out, const EvidenceRun& run, std::size_t i, const TermPoint& point) {
@@ -45,13 +48,17 @@ double drive_of(const PlantModel& model, const PlantState& state, const Row& row
 
 }  // namespace
 
-std::vector<DictionaryEntry> dictionary() {
+std::vector<DictionaryEntry> dictionary(double travel) {
   std::vector<DictionaryEntry> out;
   for (const char* products : kDictionaryProducts)
     for (const TermPart& part : parse_expression(products, "")) out.push_back({.powers = part.powers});
   for (const double time : kDictionaryTimes)
     for (const TermPart& part : parse_expression(kWithMemory, ""))
       out.push_back({.powers = part.powers, .memory_time = time});
+  if (travel > 0.0)
+    for (double periods = kFewestPeriods; periods <= kMostPeriods; periods += kPeriodStep)
+      for (const TermPart& part : parse_expression(kWithPeriod, ""))
+        out.push_back({.powers = part.powers, .period = travel / periods});
   return out;
 }
 
@@ -118,10 +125,14 @@ std::vector<double> memory_of(const MotionRows& motion, double time) {
 std::vector<double> values_of(const DictionaryEntry& entry, const MotionRows& motion) {
   const std::vector<double> memory =
       entry.memory_time > 0.0 ? memory_of(motion, entry.memory_time) : std::vector<double>{};
+  const TermRange speeds = motion.ranges().v;
+  const double slow = kSlowShare * std::max(std::abs(speeds.low), std::abs(speeds.high));
   std::vector<double> out;
   for (std::size_t i = 0; i < motion.points.size(); ++i) {
     TermPoint point = motion.points[i];
     if (!memory.empty()) point.memory = memory[i];
+    point.slow = slow;
+    point.phase = wave_number(entry.period) * point.x;
     out.push_back(product_at(entry.powers, point));
   }
   return out;
@@ -130,7 +141,8 @@ std::vector<double> values_of(const DictionaryEntry& entry, const MotionRows& mo
 std::vector<DictionaryEntry> distinct_entries(const MotionRows& motion) {
   std::vector<DictionaryEntry> out;
   std::vector<Eigen::VectorXd> directions;
-  for (const DictionaryEntry& entry : dictionary()) {
+  const TermRange places = motion.ranges().x;
+  for (const DictionaryEntry& entry : dictionary(places.high - places.low)) {
     const std::vector<double> values = values_of(entry, motion);
     const Eigen::VectorXd direction =
         Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()))

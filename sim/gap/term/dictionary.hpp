@@ -11,11 +11,12 @@ namespace biopsy::sim::gap {
 struct DictionaryEntry {
   TermPowers powers{};
   double memory_time = 0.0;  // s, where it has memory
+  double period = 0.0;       // m, where it repeats with position
 };
 
-// Products of low degree. Those of the baseline and of the library are among them, as parts of a longer
-// equation.
-std::vector<DictionaryEntry> dictionary();
+// Products of low degree, and what repeats at least once over the `travel` [m]. Those of the baseline and of
+// the library are among them, as parts of a longer equation.
+std::vector<DictionaryEntry> dictionary(double travel);
 
 // Motion and drive at every row of all runs, one run after the other.
 struct MotionRows {

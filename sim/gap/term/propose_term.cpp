@@ -21,6 +21,7 @@
 namespace biopsy::sim::gap {
 namespace {
 
+constexpr std::size_t kTermTries = 3;    // of equations that leave as little: the shortest may not stand
 constexpr double kTermUndoes = -0.8;     // of the input
 constexpr double kTermTolerance = 0.1;   // of the noise
 constexpr double kTermClosed = 0.7;      // of the held-out RMSE above the noise, against the given model
@@ -30,7 +31,7 @@ constexpr double kTermNeededEvidence = 10.0;
 constexpr double kTermLeastExcess = 0.25;     // of the noise's square: less in a run says nothing
 constexpr double kTermCalibrationStds = 4.0;  // beyond: it compensates for something
 
-// Unknowns of the term in the order of its parts; then that of its memory.
+// Unknowns of the term in the order of its parts; then those of its memory and its period.
 std::vector<Unknown> term_unknowns(const Hypothesis& hypothesis) {
   std::vector<Unknown> out;
   const std::size_t term = hypothesis.model.terms.size() - 1;
@@ -133,7 +134,7 @@ std::vector<double> shares_of(const PlantModel& model, const Evidence& evidence)
   double sum = 0.0;
   for (const TermPart& part : term.parts) {
     const std::vector<double> values =
-        values_of({.powers = part.powers, .memory_time = term.memory_time}, motion);
+        values_of({.powers = part.powers, .memory_time = term.memory_time, .period = term.period}, motion);
     out.push_back(std::abs(part.coefficient) * std::sqrt(mean_square(values)));
     sum += out.back();
   }
@@ -166,7 +167,11 @@ ProposedTerm describe_term(const ScoredModel& before, const ScoredModel& start, 
     const TermRange& range = term.seen.*(key.range);
     out.seen.push_back({key.variable, key.unit, range.low / key.si_per_unit, range.high / key.si_per_unit});
   }
-  if (term.memory_time > 0.0) out.memory_s = term.memory_time, out.memory_std = unknowns.back().value_std();
+  for (const Unknown& u : unknowns) {
+    const std::size_t number = u.parameter % kTermUnknowns;
+    if (number == kTermMemory) out.memory_s = u.value(), out.memory_std = u.value_std();
+    if (number == kTermPeriod) out.period_mm = u.value() * kMm, out.period_std = u.value_std() * kMm;
+  }
   out.rmse_before = std::sqrt(before.square) * kMm;
   out.rmse_calibrated = std::sqrt(start.square) * kMm;
   out.rmse_after = std::sqrt(with.square) * kMm;
@@ -188,18 +193,22 @@ std::optional<TermProposal> propose_term(const ScoredModel& before, const Scored
   const std::vector<FittedTerm> found = fitted_terms(start.hypothesis, coarse, stop);
   if (found.empty()) return std::nullopt;
   const double square_now = mean_square(residual(start.hypothesis.model, fine, Part::Training));
-  Hypothesis best =
-      without_unknown_products(converged(found.front(), square_now, fine), square_now, fine).hypothesis;
-  best.model.terms.back().seen = seen_ranges(best, fine);
-  best.model.terms.back().name = free_name(start.hypothesis.model);
-  estimate_uncertainty(best, fine);
-  ScoredModel scored = score_model(std::move(best), fine);
-  if (!stands(before, start, scored, fine)) return std::nullopt;
-  ProposedTerm description = describe_term(before, start, scored, fine);
-  for (std::size_t i = 1; i < found.size(); ++i)
-    if (leaves_as_little(found[i], found.front()))
-      description.rivals.push_back(expression_text(found[i].term().parts));
-  return TermProposal{std::move(scored), std::move(description)};
+  std::size_t tried = 0;
+  for (const FittedTerm& one : found) {
+    if (!leaves_as_little(one, found.front()) || tried++ == kTermTries) break;
+    Hypothesis best = without_unknown_products(converged(one, square_now, fine), square_now, fine).hypothesis;
+    best.model.terms.back().seen = seen_ranges(best, fine);
+    best.model.terms.back().name = free_name(start.hypothesis.model);
+    estimate_uncertainty(best, fine);
+    ScoredModel scored = score_model(std::move(best), fine);
+    if (!stands(before, start, scored, fine)) continue;
+    ProposedTerm description = describe_term(before, start, scored, fine);
+    for (const FittedTerm& other : found)
+      if (&other != &one && leaves_as_little(other, found.front()))
+        description.rivals.push_back(expression_text(other.term().parts));
+    return TermProposal{std::move(scored), std::move(description)};
+  }
+  return std::nullopt;
 }
 
 }  // namespace biopsy::sim::gap

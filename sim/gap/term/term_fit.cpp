@@ -9,6 +9,7 @@
 #include "sim/gap/residual/predict.hpp"
 #include "sim/gap/select/verdict.hpp"
 #include "sim/gap/term/term_search.hpp"
+#include "sim/term/term_text.hpp"
 
 namespace biopsy::sim::gap {
 namespace {
@@ -19,6 +20,10 @@ constexpr double kTermWeaker = 0.3;
 constexpr double kTermKnown = 0.5;  // standard deviation of a coefficient, of itself
 constexpr int kTermLooks = 2;
 constexpr double kTermAsGood = 1.5;  // ratio of excess squares within which the shorter equation is taken
+constexpr const char* kDryFrictions =
+    "a sign(v) + b x sign(v) + c x^2 sign(v) + d |u| sign(v) + e u^2 sign(v)";
+constexpr double kTermSeed = 0.1;  // of the term's largest force, at which a product begins to be fitted
+constexpr double kTermWorthAProduct = 0.7;            // of the excess square, left by one more
 constexpr std::uint64_t kTermMostWork = 120'000'000;  // steps
 
 FittedTerm fitted(Hypothesis hypothesis, const Evidence& evidence, int iterations, double tolerated,
@@ -67,6 +72,7 @@ Hypothesis without_part(Hypothesis hypothesis, std::size_t i) {
   const bool memory = std::ranges::any_of(
       term.parts, [](const TermPart& part) { return power_of(part.powers, TermFactor::Memory) > 0; });
   if (!memory) term.memory_time = 0.0;
+  if (!has_period(term.parts)) term.period = 0.0;
   hypothesis.model.terms.push_back(std::move(term));
   add_term_unknowns(hypothesis, hypothesis.model.terms.size() - 1);
   return hypothesis;
@@ -79,6 +85,39 @@ FittedTerm pruned(FittedTerm one, double tolerated, const Evidence& evidence) {
       one = std::move(shorter), i = 0;
     else
       ++i;
+  }
+  return one;
+}
+
+// With a further product, of a tenth of the force that it has.
+Hypothesis with_part(Hypothesis hypothesis, const TermPowers& powers) {
+  Term term = hypothesis.model.terms.back();
+  remove_last_term(hypothesis);
+  Term alone = term;
+  alone.parts = {{.coefficient = 1.0, .powers = powers}};
+  if (const double unit = alone.largest_force(); unit > 0.0)
+    term.parts.push_back({.coefficient = -kTermSeed * term.largest_force() / unit, .powers = powers});
+  hypothesis.model.terms.push_back(std::move(term));
+  add_term_unknowns(hypothesis, hypothesis.model.terms.size() - 1);
+  return hypothesis;
+}
+
+// The answer to a small force does not tell one dry friction from another, for a plate that stands does not
+// answer: each is tried beside those that were found.
+FittedTerm with_dry_friction(FittedTerm one, double tolerated, const Evidence& evidence) {
+  const std::vector<TermPart> frictions = parse_expression(kDryFrictions, "");
+  while (one.term().has_dry_friction() && one.term().parts.size() < kMostTermParts) {
+    std::vector<FittedTerm> more(frictions.size(), one);
+    in_parallel(frictions.size(), [&](std::size_t i) {
+      const bool known = std::ranges::any_of(
+          one.term().parts, [&](const TermPart& part) { return part.powers == frictions[i].powers; });
+      if (!known)
+        more[i] =
+            fitted(with_part(one.hypothesis, frictions[i].powers), evidence, kTermQuickIterations, tolerated);
+    });
+    FittedTerm& best = *std::ranges::min_element(more, {}, &FittedTerm::excess);
+    if (!(best.excess < kTermWorthAProduct * one.excess)) return one;
+    one = std::move(best);
   }
   return one;
 }
@@ -120,6 +159,7 @@ std::vector<FittedTerm> fitted_terms(const Hypothesis& start, const Evidence& co
     sort_by_merit(out);
   }
   if (stop.stop_requested()) return {};
+  if (!out.empty() && !is_over()) out.front() = with_dry_friction(std::move(out.front()), tolerated, coarse);
   if (!out.empty() && !is_over()) out.front() = pruned(std::move(out.front()), tolerated, coarse);
   return out;
 }

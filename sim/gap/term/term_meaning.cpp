@@ -6,9 +6,11 @@ std::string term_meaning(const TermPowers& strongest, bool on_stack) {
   const auto power = [&](TermFactor factor) { return power_of(strongest, factor); };
   const int position = power(TermFactor::Position);
   const int drive = power(TermFactor::Drive) + power(TermFactor::DriveSize) + power(TermFactor::DriveSign);
-  const int speed = power(TermFactor::Speed) + power(TermFactor::SpeedSize);
+  const int speed = power(TermFactor::Speed) + power(TermFactor::SpeedSize) + power(TermFactor::SpeedRoot);
   if (power(TermFactor::Memory) > 0)
     return "a spring with a damper in series, such as tubing, a cable, an adhesive or tissue that relaxes";
+  if (repeats_with_position(strongest))
+    return "a force that repeats along the way, such as the cogging of a motor, detents, a gear or a screw";
   if (acts_at_rest(strongest)) {
     if (drive > 0)
       return on_stack ? "dry friction that changes with the voltage, such as films that cling"
@@ -30,8 +32,11 @@ std::string term_meaning(const TermPowers& strongest, bool on_stack) {
     return "damping that depends on the place, such as a guide that is rough or dirty there, or a damper "
            "whose "
            "gap changes";
-  if (speed > 0 && power(TermFactor::Speed) % 2 == 0)
+  if (speed > 0 && (power(TermFactor::Speed) + power(TermFactor::SpeedSign)) % 2 == 0)
     return "a force of one direction that grows with the speed of either, such as of a flow";
+  if (power(TermFactor::SpeedRoot) > 0)
+    return "a drag that grows with the root of the speed, such as of a lubricated contact or a paste that "
+           "thins as it flows";
   if (speed > 0)
     return "a drag that grows otherwise than with the speed or its square, such as flow through a gap, a "
            "seal "

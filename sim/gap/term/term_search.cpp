@@ -73,7 +73,7 @@ bool is_baseline(const DictionaryEntry& entry, const Hypothesis& around) {
     powers[static_cast<std::size_t>(factor)] = 1;
     return entry.powers == powers;
   };
-  if (around.model.baseline.drive == Drive::Stack) return alone(TermFactor::Speed);
+  if (around.model.baseline.drive == Drive::Stack) return false;
   return std::ranges::any_of(around.unknowns, [&](const Unknown& u) {
     if (u.effect != kBaseline || std::isfinite(u.prior_std)) return false;
     const double Baseline::*member = uncertain_baseline(Drive::Force)[u.parameter].member;
@@ -128,32 +128,26 @@ Columns columns_of(const Responses& responses, const Hypothesis& around, const M
 }
 
 // What the residual would be without the term that the model ends with.
-Eigen::VectorXd without_term(Eigen::VectorXd residual, const Term& term,
-                             const std::vector<DictionaryEntry>& entries, const Columns& columns) {
-  const auto first = columns.values.cols() - static_cast<Eigen::Index>(entries.size());
+Eigen::VectorXd without_term(Eigen::VectorXd residual, const Term& term, const Responses& responses,
+                             const MotionRows& motion) {
   for (const TermPart& part : term.parts) {
-    const bool memory = power_of(part.powers, TermFactor::Memory) > 0;
-    std::size_t nearest = entries.size();
-    double off = 0.0;
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-      if (entries[i].powers != part.powers) continue;
-      const double here = memory ? std::abs(std::log(entries[i].memory_time / term.memory_time)) : 0.0;
-      if (nearest == entries.size() || here < off) nearest = i, off = here;
-    }
-    if (nearest < entries.size() && columns.per_newton[nearest] > 0.0)
-      residual -= part.coefficient / columns.per_newton[nearest] *
-                  columns.values.col(first + static_cast<Eigen::Index>(nearest));
+    std::vector<double> down =
+        values_of({.powers = part.powers, .memory_time = term.memory_time, .period = term.period}, motion);
+    for (double& value : down) value *= -part.coefficient;
+    residual -= responses.of_force(down);
   }
   return residual;
 }
 
-// One time of memory in a term, and no product twice.
+// One time of memory and one period in a term, and no product twice.
 bool may_join(const std::vector<DictionaryEntry>& entries, const Support& support, std::size_t column) {
   const DictionaryEntry& added = entries[column];
   return std::ranges::none_of(support, [&](std::size_t i) {
-    const bool two_times = added.memory_time > 0.0 && entries[i].memory_time > 0.0 &&
-                           added.memory_time != entries[i].memory_time;
-    return two_times || entries[i].powers == added.powers;
+    const auto two = [&](double DictionaryEntry::*number) {
+      return added.*number > 0.0 && entries[i].*number > 0.0 && added.*number != entries[i].*number;
+    };
+    return two(&DictionaryEntry::memory_time) || two(&DictionaryEntry::period) ||
+           entries[i].powers == added.powers;
   });
 }
 
@@ -176,6 +170,7 @@ Hypothesis suggestion(Hypothesis around, bool with_term, const Support& support,
         {.coefficient = -solution[known + static_cast<Eigen::Index>(i)] * columns.per_newton[support[i]],
          .powers = entry.powers});
     term.memory_time = std::max(term.memory_time, entry.memory_time);
+    term.period = std::max(term.period, entry.period);
   }
   term.seen = motion.ranges();
   for (TermRange* range : {&term.seen.x, &term.seen.v, &term.seen.drive, &term.seen.memory}) {
@@ -211,7 +206,7 @@ std::vector<Hypothesis> suggested_terms(const Hypothesis& around, bool with_term
   Eigen::VectorXd target = responses.now();
   if (!target.allFinite()) return {};
   const Columns columns = columns_of(responses, around, motion, entries, evidence);
-  if (with_term) target = without_term(target, around.model.terms.back(), entries, columns);
+  if (with_term) target = without_term(target, around.model.terms.back(), responses, motion);
   if (!target.allFinite()) return {};
   const auto known = static_cast<std::size_t>(columns.prior.size());
   const SparseRegression regression(columns.values, target, known, columns.prior, columns.about,

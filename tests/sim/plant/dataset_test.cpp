@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "tests/scratch_folder.hpp"
 #include "tests/sim/plant/refusal.hpp"
@@ -263,6 +264,14 @@ TEST(Dataset, FolderWithoutADescriptionIsRefused) {
   const ScratchFolder folder;
   expect_refusal(refusal([&] { read_dataset(folder.path(), Drive::Stack); }), folder.path().string(),
                  "no dataset.toml");
+}
+
+TEST(Dataset, AFileInPlaceOfItsFolderIsRefused) {
+  const ScratchFolder folder;
+  const auto file = folder.path() / "dataset.toml";
+  std::ofstream(file) << "title = \"x\"\n";
+  expect_refusal(refusal([&] { read_dataset(file, Drive::Stack); }), file.string(),
+                 "a file, where a folder is meant");
 }
 
 }  // namespace
