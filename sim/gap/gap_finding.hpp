@@ -153,9 +153,10 @@ struct ProposedTerm {
   std::string name;        // of [term.NAME]
   std::string expression;  // of the force on plate A, N, up: "a v^3 + b x"
   std::vector<TermCoefficient> coefficients;
-  std::vector<TermVariableRange> seen;       // where; outside it the force stays as at the edge
-  double memory_s = 0.0, memory_std = 0.0;   // 0: none
-  double period_mm = 0.0, period_std = 0.0;  // 0: nothing repeats with position
+  std::vector<TermVariableRange> seen;        // where; outside it the force stays as at the edge
+  double memory_s = 0.0, memory_std = 0.0;    // 0: none
+  double period_mm = 0.0, period_std = 0.0;   // 0: nothing repeats with position
+  double exponent = 0.0, exponent_std = 0.0;  // n of |v|^n; 0: none
   double rmse_before = 0.0, rmse_calibrated = 0.0, rmse_after = 0.0;  // mm, held-out runs
   double gap_closed = 0.0;
   std::string meaning;              // what it may be

@@ -105,6 +105,7 @@ void write_term(const Term& term, bool on_stack, ModelText& text) {
     text.line(fmt::format("{} = [{}, {}]", key.name, end(range.low), end(range.high)));
   }
   if (term.memory_time > 0.0) text.line(fmt::format("memory_s = {}", term.memory_time));
+  if (term.exponent > 0.0) text.line(fmt::format("n = {}", term.exponent));
   if (term.period > 0.0)
     text.line(fmt::format("period_mm = {}",
                           number_in_unit(term.period, 1e-3, kShortestPeriod_mm, kLongestPeriod_mm)));

@@ -21,8 +21,15 @@ double size(const TermRange& range) {
   return std::max(std::abs(range.low), std::abs(range.high));
 }
 
-double root(double speed, double slow) {
-  return speed == 0.0 ? 0.0 : std::abs(speed) / std::sqrt(std::max(std::abs(speed), slow));
+// |v|^n, a line up to `slow`.
+double speed_power(const TermPoint& at) {
+  const double speed = std::abs(at.v);
+  return speed == 0.0 ? 0.0 : speed * std::pow(std::max(speed, at.slow), at.exponent - 1.0);
+}
+
+double steepest_speed_power(const TermPoint& sizes) {
+  const auto slope = [&](double speed) { return std::pow(speed, sizes.exponent - 1.0); };
+  return std::max(slope(sizes.slow), sizes.exponent * slope(std::max(sizes.v, sizes.slow)));
 }
 
 // The largest size of a product, and of its derivatives to position and speed, where each variable stays
@@ -37,14 +44,14 @@ Bound bound_of(const TermPowers& powers, const TermPoint& sizes, double waves) {
   const int x = power(TermFactor::Position), v = power(TermFactor::Speed) + power(TermFactor::SpeedSize);
   const double rest = raised(sizes.drive, power(TermFactor::Drive) + power(TermFactor::DriveSize)) *
                       raised(sizes.memory, power(TermFactor::Memory));
-  const bool rooted = power(TermFactor::SpeedRoot) > 0 && sizes.slow > 0.0;
-  const double by_root = rooted ? root(sizes.v, sizes.slow) : 1.0;
+  const bool raises = has_speed_power(powers) && sizes.slow > 0.0;
+  const double by_power = raises ? speed_power(sizes) : 1.0;
   const double at_x = raised(sizes.x, x), at_v = raised(sizes.v, v);
-  Bound out{.product = rest * at_x * at_v * by_root, .by_position = 0.0, .by_speed = 0.0};
-  if (x > 0) out.by_position += rest * at_v * by_root * x * raised(sizes.x, x - 1);
+  Bound out{.product = rest * at_x * at_v * by_power, .by_position = 0.0, .by_speed = 0.0};
+  if (x > 0) out.by_position += rest * at_v * by_power * x * raised(sizes.x, x - 1);
   if (repeats_with_position(powers)) out.by_position += out.product * waves;
-  if (v > 0) out.by_speed += rest * at_x * by_root * v * raised(sizes.v, v - 1);
-  if (rooted) out.by_speed += rest * at_x * at_v / std::sqrt(sizes.slow);
+  if (v > 0) out.by_speed += rest * at_x * by_power * v * raised(sizes.v, v - 1);
+  if (raises) out.by_speed += rest * at_x * at_v * steepest_speed_power(sizes);
   return out;
 }
 
@@ -58,7 +65,7 @@ double product_at(const TermPowers& powers, const TermPoint& at) {
       raised(std::abs(at.drive), power(TermFactor::DriveSize)) * raised(at.memory, power(TermFactor::Memory));
   if (power(TermFactor::SpeedSign) > 0) out *= sign(at.v);
   if (power(TermFactor::DriveSign) > 0) out *= sign(at.drive);
-  if (power(TermFactor::SpeedRoot) > 0) out *= root(at.v, at.slow);
+  if (has_speed_power(powers)) out *= speed_power(at);
   if (power(TermFactor::PositionSine) > 0) out *= std::sin(at.phase);
   if (power(TermFactor::PositionCosine) > 0) out *= std::cos(at.phase);
   return out;
@@ -78,6 +85,7 @@ TermPoint TermRanges::within(const TermPoint& at) const {
 TermPoint Term::seen_at(const TermPoint& at) const {
   TermPoint here = seen.within(at);
   here.slow = kSlowShare * size(seen.v);
+  here.exponent = exponent;
   here.phase = wave_number(period) * here.x;
   return here;
 }
@@ -109,7 +117,8 @@ Steepness Term::steepest(const Reach& reach) const {
                         .v = std::min(reach.v, size(seen.v)),
                         .drive = size(seen.drive),
                         .memory = size(seen.memory),
-                        .slow = kSlowShare * size(seen.v)};
+                        .slow = kSlowShare * size(seen.v),
+                        .exponent = exponent};
   Steepness out{.rate = memory_time > 0.0 ? 1.0 / memory_time : 0.0};
   for (const TermPart& part : parts) {
     const Bound bound = bound_of(part.powers, sizes, wave_number(period));
@@ -124,7 +133,8 @@ double Term::largest_force() const {
                         .v = size(seen.v),
                         .drive = size(seen.drive),
                         .memory = size(seen.memory),
-                        .slow = kSlowShare * size(seen.v)};
+                        .slow = kSlowShare * size(seen.v),
+                        .exponent = exponent};
   double sum = 0.0;
   for (const TermPart& part : parts)
     sum += std::abs(part.coefficient) * bound_of(part.powers, sizes, wave_number(period)).product;

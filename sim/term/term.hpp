@@ -14,8 +14,8 @@ namespace biopsy::sim {
 // What a product is made of. Drive: the voltage that pulls, V, or the force where a force drives, N.
 // Memory: how far plate A is from where it was, forgotten with the term's time constant T, m:
 // dq/dt = v - q/T, the deflection of a spring in series with a damper. Sine and cosine are of the position,
-// with the term's period. A root of the speed is a line below kSlowShare of the largest speed seen, as that
-// of a flow is.
+// with the term's period. A power of the speed has the term's exponent, as of a fluid that thins; below
+// kSlowShare of the largest speed seen it is a line.
 enum class TermFactor : std::uint8_t {
   Position,
   Speed,
@@ -25,7 +25,7 @@ enum class TermFactor : std::uint8_t {
   DriveSize,
   DriveSign,
   Memory,
-  SpeedRoot,
+  SpeedPower,
   PositionSine,
   PositionCosine
 };
@@ -48,13 +48,17 @@ struct TermPart {
   bool operator==(const TermPart&) const = default;
 };
 
+inline bool has_speed_power(const TermPowers& powers) {
+  return power_of(powers, TermFactor::SpeedPower) > 0;
+}
+
 inline bool repeats_with_position(const TermPowers& powers) {
   return power_of(powers, TermFactor::PositionSine) > 0 || power_of(powers, TermFactor::PositionCosine) > 0;
 }
 
 struct TermPoint {
   double x = 0.0, v = 0.0, drive = 0.0, memory = 0.0;  // m, m/s, V or N, m
-  double slow = 0.0;                                   // m/s, below which a root of the speed is a line
+  double slow = 0.0, exponent = 1.0;                   // m/s, -: of a power of the speed
   double phase = 0.0;                                  // rad, of what repeats with position
 };
 
@@ -64,7 +68,7 @@ double product_at(const TermPowers& powers, const TermPoint& at);
 // Whether the product jumps where plate A turns, so that it can hold the plate: dry friction.
 inline bool acts_at_rest(const TermPowers& powers) {
   return power_of(powers, TermFactor::SpeedSign) > 0 && power_of(powers, TermFactor::Speed) == 0 &&
-         power_of(powers, TermFactor::SpeedSize) == 0 && power_of(powers, TermFactor::SpeedRoot) == 0;
+         power_of(powers, TermFactor::SpeedSize) == 0 && power_of(powers, TermFactor::SpeedPower) == 0;
 }
 
 struct TermRange {
@@ -88,6 +92,7 @@ struct Term {
   TermRanges seen;
   double memory_time = 0.0;  // s; 0 where no part has memory
   double period = 0.0;       // m; 0 where no part repeats with position
+  double exponent = 0.0;     // of the power of the speed; 0 where no part has it
 
   double force(const TermPoint& at) const;  // N, up, without its dry friction
   // N against the motion; nothing where the equation would push along it.

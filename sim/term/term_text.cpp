@@ -17,7 +17,7 @@ constexpr double kShortestMemory = 1e-3;
 
 // In the order of TermFactor.
 constexpr std::array<std::string_view, kTermFactors> kFactors{
-    "x", "v", "|v|", "sign(v)", "u", "|u|", "sign(u)", "q", "|v|^0.5", "sin(kx)", "cos(kx)"};
+    "x", "v", "|v|", "sign(v)", "u", "|u|", "sign(u)", "q", "|v|^n", "sin(kx)", "cos(kx)"};
 
 int total_power(const TermPowers& powers, std::initializer_list<TermFactor> factors) {
   int sum = 0;
@@ -27,7 +27,7 @@ int total_power(const TermPowers& powers, std::initializer_list<TermFactor> fact
 
 [[noreturn]] void refuse(const std::string& what, const std::string& place) {
   throw ConfigError("`expression`: " + what, place,
-                    "write a sum of letters a, b, ... times products of x, v, |v|, |v|^0.5, sign(v), u, |u|, "
+                    "write a sum of letters a, b, ... times products of x, v, |v|, |v|^n, sign(v), u, |u|, "
                     "sign(u), q, sin(kx) and cos(kx), as \"a v^3 + b x v\"");
 }
 
@@ -42,7 +42,7 @@ std::vector<std::string> split(const std::string& text, const std::string& separ
 }
 
 void add_factor(TermPowers& powers, const std::string& word, const std::string& place) {
-  const bool whole = std::ranges::find(kFactors, word) != kFactors.end();  // "|v|^0.5" is one
+  const bool whole = std::ranges::find(kFactors, word) != kFactors.end();  // "|v|^n" is one
   const std::size_t hat = whole ? word.size() : std::min(word.find('^'), word.size());
   const auto* const found = std::ranges::find(kFactors, word.substr(0, hat));
   if (found == kFactors.end()) refuse(fmt::format("\"{}\" is no factor", word), place);
@@ -64,8 +64,8 @@ void add_factor(TermPowers& powers, const std::string& word, const std::string& 
   now = static_cast<std::uint8_t>(power);
 }
 
-std::string unit_power(const char* unit, double power) {
-  return power == 1.0 ? unit : fmt::format("{}^{:g}", unit, power);
+std::string unit_power(const char* unit, int power) {
+  return power == 1 ? unit : fmt::format("{}^{}", unit, power);
 }
 
 }  // namespace
@@ -81,9 +81,8 @@ std::string product_text(const TermPowers& powers) {
 }
 
 std::string coefficient_unit(const TermPowers& powers, bool on_stack) {
-  const double speeds = total_power(powers, {TermFactor::Speed, TermFactor::SpeedSize}) +
-                        0.5 * power_of(powers, TermFactor::SpeedRoot);
-  const double metres = speeds + total_power(powers, {TermFactor::Position, TermFactor::Memory});
+  const int speeds = total_power(powers, {TermFactor::Speed, TermFactor::SpeedSize});
+  const int metres = speeds + total_power(powers, {TermFactor::Position, TermFactor::Memory});
   const int drives = total_power(powers, {TermFactor::Drive, TermFactor::DriveSize});
   std::vector<std::string> above, below;
   if (on_stack) {
@@ -95,6 +94,7 @@ std::string coefficient_unit(const TermPowers& powers, bool on_stack) {
     below.push_back(unit_power("N", drives - 1));
   }
   if (speeds > 0) above.push_back(unit_power("s", speeds));
+  if (has_speed_power(powers)) above.emplace_back("(s/m)^n");
   if (metres > 0) below.push_back(unit_power("m", metres));
   const std::string top = above.empty() ? "1" : fmt::format("{}", fmt::join(above, " "));
   if (below.empty()) return top;
@@ -131,6 +131,10 @@ std::vector<TermPart> parse_expression(const std::string& text, const std::strin
   return out;
 }
 
+bool has_exponent(const std::vector<TermPart>& parts) {
+  return std::ranges::any_of(parts, [](const TermPart& part) { return has_speed_power(part.powers); });
+}
+
 bool has_period(const std::vector<TermPart>& parts) {
   return std::ranges::any_of(parts, [](const TermPart& part) { return repeats_with_position(part.powers); });
 }
@@ -143,7 +147,7 @@ std::vector<TermRangeKey> range_keys(const std::vector<TermPart>& parts, bool on
   std::vector<TermRangeKey> out;
   if (uses({TermFactor::Position, TermFactor::PositionSine, TermFactor::PositionCosine}))
     out.push_back({"x_mm", 1e-3, &TermRanges::x, 1e5, "x", "mm"});
-  if (uses({TermFactor::Speed, TermFactor::SpeedSize, TermFactor::SpeedRoot}))
+  if (uses({TermFactor::Speed, TermFactor::SpeedSize, TermFactor::SpeedPower}))
     out.push_back({"v_mm_s", 1e-3, &TermRanges::v, 1e6, "v", "mm/s"});
   if (uses({TermFactor::Drive, TermFactor::DriveSize, TermFactor::DriveSign})) {
     if (on_stack)
@@ -169,6 +173,7 @@ Term read_term_frame(TomlTable& table, const std::string& name, bool on_stack) {
   }
   if (has_period(term.parts))
     term.period = 1e-3 * table.number("period_mm", kShortestPeriod_mm, kLongestPeriod_mm, "mm");
+  if (has_exponent(term.parts)) term.exponent = table.number("n", kLeastExponent, kMostExponent);
   return term;
 }
 
@@ -177,6 +182,8 @@ bool can_be_written(const Term& term, bool on_stack) {
     const TermRange& seen = term.seen.*(key.range);
     return std::max(std::abs(seen.low), std::abs(seen.high)) <= key.largest * key.si_per_unit;
   };
+  if (has_exponent(term.parts) && !(term.exponent >= kLeastExponent && term.exponent <= kMostExponent))
+    return false;
   const double period_mm = 1e3 * term.period;
   if (has_period(term.parts) && !(period_mm >= kShortestPeriod_mm && period_mm <= kLongestPeriod_mm))
     return false;

@@ -11,6 +11,7 @@
 namespace biopsy::sim {
 
 inline constexpr double kShortestPeriod_mm = 1e-4, kLongestPeriod_mm = 1e5;
+inline constexpr double kLeastExponent = 0.1, kMostExponent = 6.0;
 
 // "x |v| v": factors in a fixed order, powers as ^n.
 std::string product_text(const TermPowers& powers);
@@ -26,7 +27,8 @@ inline std::string coefficient_name(std::size_t i) {
 // The products of an expression, coefficients 0. Throws ConfigError at `place`.
 std::vector<TermPart> parse_expression(const std::string& text, const std::string& place);
 
-// Whether a product repeats with position.
+// Whether a product has a power of the speed with the term's exponent, or repeats with position.
+bool has_exponent(const std::vector<TermPart>& parts);
 bool has_period(const std::vector<TermPart>& parts);
 
 // A variable's range as a key of the table: "v_mm_s", and SI per unit of it.
@@ -40,7 +42,7 @@ struct TermRangeKey {
 // Of the variables that the parts use.
 std::vector<TermRangeKey> range_keys(const std::vector<TermPart>& parts, bool on_stack);
 
-// A term without its coefficients: expression, time of its memory, period and ranges.
+// A term without its coefficients: expression, time of its memory, period, exponent and ranges.
 Term read_term_frame(TomlTable& table, const std::string& name, bool on_stack);
 // Whether a model file may hold the term: its force and ranges are those of such a mechanism.
 bool can_be_written(const Term& term, bool on_stack);

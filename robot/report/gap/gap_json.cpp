@@ -90,6 +90,8 @@ Json proposed_json(const std::optional<ProposedTerm>& term) {
                                      })},
           {"memory_s", term->memory_s > 0.0 ? json_number(term->memory_s) : Json(nullptr)},
           {"memory_std_s", term->memory_s > 0.0 ? json_number(term->memory_std) : Json(nullptr)},
+          {"exponent", term->exponent > 0.0 ? json_number(term->exponent) : Json(nullptr)},
+          {"exponent_std", term->exponent > 0.0 ? json_number(term->exponent_std) : Json(nullptr)},
           {"period_mm", term->period_mm > 0.0 ? json_number(term->period_mm) : Json(nullptr)},
           {"period_std_mm", term->period_mm > 0.0 ? json_number(term->period_std) : Json(nullptr)},
           {"seen", json_list(term->seen,

@@ -56,6 +56,8 @@ std::string gap_proposed_section(const GapFinding& finding) {
   if (term.memory_s > 0.0)
     html += paragraph(fmt::format("q follows x with a time constant of {} s.",
                                   estimate_text(term.memory_s, term.memory_std)));
+  if (term.exponent > 0.0)
+    html += paragraph(fmt::format("n is {}.", estimate_text(term.exponent, term.exponent_std)));
   if (term.period_mm > 0.0)
     html += paragraph(
         fmt::format("k is 2π over a period of {} mm.", estimate_text(term.period_mm, term.period_std)));

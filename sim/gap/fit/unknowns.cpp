@@ -17,6 +17,7 @@ constexpr double kFreeRange = 2.0;          // ln: a candidate may differ by a f
 constexpr double kUnknownRange = 14.0;      // ln: a parameter named by --free may have any order of magnitude
 constexpr double kMemoryRange = 1.5;        // ln: between the times that were tried
 constexpr double kPeriodRange = 0.3;        // ln: likewise, with room
+constexpr double kExponentRange = 0.7;      // ln: from a fourth root to a line
 constexpr double kShapeRange = 4.6;         // ln: a factor of 100, within the library's range
 
 // Films and gain act only through K^2 eps_film/d_film^2: K represents the three.
@@ -48,7 +49,7 @@ double& term_number(PlantModel& model, std::size_t parameter) {
   Term& term = model.terms[parameter / kTermUnknowns];
   const std::size_t i = parameter % kTermUnknowns;
   if (i < kMostTermParts) return term.parts[i].coefficient;
-  return i == kTermMemory ? term.memory_time : term.period;
+  return i == kTermMemory ? term.memory_time : i == kTermPeriod ? term.period : term.exponent;
 }
 
 void write(PlantModel& model, const Unknown& unknown, double theta) {
@@ -212,6 +213,7 @@ void add_term_unknowns(Hypothesis& hypothesis, std::size_t term) {
   };
   add(kTermMemory, added.memory_time, kMemoryRange);
   add(kTermPeriod, added.period, kPeriodRange);
+  add(kTermExponent, added.exponent, kExponentRange);
 }
 
 void remove_last_term(Hypothesis& hypothesis) {

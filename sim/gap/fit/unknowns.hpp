@@ -14,9 +14,9 @@ namespace biopsy::sim::gap {
 
 inline constexpr int kBaseline = -1;
 inline constexpr int kTerm = -2;
-inline constexpr std::size_t kTermMemory = kMostTermParts, kTermPeriod = kMostTermParts + 1;
-inline constexpr std::size_t kTermUnknowns =
-    kMostTermParts + 2;  // coefficients, the memory's time, the period
+inline constexpr std::size_t kTermMemory = kMostTermParts, kTermPeriod = kMostTermParts + 1,
+                             kTermExponent = kMostTermParts + 2;
+inline constexpr std::size_t kTermUnknowns = kMostTermParts + 3;  // coefficients, and these
 
 struct Unknown {
   int effect = kBaseline;  // index in library(), kBaseline or kTerm

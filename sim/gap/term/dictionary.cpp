@@ -17,7 +17,7 @@ namespace {
 constexpr std::array kDictionaryTimes{0.05, 0.2, 0.8, 3.0, 12.0};  // s
 constexpr std::array kDictionaryProducts{
     "a + b x + c x^2 + d x^3 + e x^4 + f x^5",
-    "a v + b v^2 + c v^3 + d |v| v + e |v| + f sign(v) |v|^0.5",
+    "a v + b v^2 + c v^3 + d |v| v + e |v|",
     "a x v + b x^2 v + c x^3 v + d x^4 v",
     "a x |v| v + b x v^2 + c x v^3 + d x^2 |v| v",
     "a sign(v) + b x sign(v) + c x^2 sign(v) + d |u| sign(v) + e u^2 sign(v)",
@@ -29,6 +29,8 @@ constexpr std::array kDictionaryProducts{
 constexpr double kSameDirection = 1e-6;  // sine of the angle between two products' values
 constexpr double kStillSpeed = 3.0;      // of the noise of the speed
 constexpr const char* kWithMemory = "a q + b q^2";
+constexpr const char* kWithExponent = "a sign(v) |v|^n";
+constexpr double kDictionaryExponent = 0.5;
 constexpr const char* kWithPeriod = "a sin(kx) + b cos(kx)";
 // Periods in the travel: fewer are a polynomial; half a step is 0.4 rad at the ends, which a fit finds.
 constexpr double kFewestPeriods = 1.25, kMostPeriods = 6.0, kPeriodStep = 0.25;
@@ -55,6 +57,8 @@ std::vector<DictionaryEntry> dictionary(double travel) {
   for (const double time : kDictionaryTimes)
     for (const TermPart& part : parse_expression(kWithMemory, ""))
       out.push_back({.powers = part.powers, .memory_time = time});
+  for (const TermPart& part : parse_expression(kWithExponent, ""))
+    out.push_back({.powers = part.powers, .exponent = kDictionaryExponent});
   if (travel > 0.0)
     for (double periods = kFewestPeriods; periods <= kMostPeriods; periods += kPeriodStep)
       for (const TermPart& part : parse_expression(kWithPeriod, ""))
@@ -132,6 +136,7 @@ std::vector<double> values_of(const DictionaryEntry& entry, const MotionRows& mo
     TermPoint point = motion.points[i];
     if (!memory.empty()) point.memory = memory[i];
     point.slow = slow;
+    point.exponent = entry.exponent;
     point.phase = wave_number(entry.period) * point.x;
     out.push_back(product_at(entry.powers, point));
   }

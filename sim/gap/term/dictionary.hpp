@@ -12,6 +12,7 @@ struct DictionaryEntry {
   TermPowers powers{};
   double memory_time = 0.0;  // s, where it has memory
   double period = 0.0;       // m, where it repeats with position
+  double exponent = 0.0;     // of a power of the speed, where it has one
 };
 
 // Products of low degree, and what repeats at least once over the `travel` [m]. Those of the baseline and of

@@ -31,7 +31,7 @@ constexpr double kTermNeededEvidence = 10.0;
 constexpr double kTermLeastExcess = 0.25;     // of the noise's square: less in a run says nothing
 constexpr double kTermCalibrationStds = 4.0;  // beyond: it compensates for something
 
-// Unknowns of the term in the order of its parts; then those of its memory and its period.
+// Unknowns of the term in the order of its parts; then those of its memory, period and exponent.
 std::vector<Unknown> term_unknowns(const Hypothesis& hypothesis) {
   std::vector<Unknown> out;
   const std::size_t term = hypothesis.model.terms.size() - 1;
@@ -134,7 +134,7 @@ std::vector<double> shares_of(const PlantModel& model, const Evidence& evidence)
   double sum = 0.0;
   for (const TermPart& part : term.parts) {
     const std::vector<double> values =
-        values_of({.powers = part.powers, .memory_time = term.memory_time, .period = term.period}, motion);
+        values_of({part.powers, term.memory_time, term.period, term.exponent}, motion);
     out.push_back(std::abs(part.coefficient) * std::sqrt(mean_square(values)));
     sum += out.back();
   }
@@ -170,6 +170,7 @@ ProposedTerm describe_term(const ScoredModel& before, const ScoredModel& start, 
   for (const Unknown& u : unknowns) {
     const std::size_t number = u.parameter % kTermUnknowns;
     if (number == kTermMemory) out.memory_s = u.value(), out.memory_std = u.value_std();
+    if (number == kTermExponent) out.exponent = u.value(), out.exponent_std = u.value_std();
     if (number == kTermPeriod) out.period_mm = u.value() * kMm, out.period_std = u.value_std() * kMm;
   }
   out.rmse_before = std::sqrt(before.square) * kMm;

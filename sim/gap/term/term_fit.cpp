@@ -73,6 +73,7 @@ Hypothesis without_part(Hypothesis hypothesis, std::size_t i) {
       term.parts, [](const TermPart& part) { return power_of(part.powers, TermFactor::Memory) > 0; });
   if (!memory) term.memory_time = 0.0;
   if (!has_period(term.parts)) term.period = 0.0;
+  if (!has_exponent(term.parts)) term.exponent = 0.0;
   hypothesis.model.terms.push_back(std::move(term));
   add_term_unknowns(hypothesis, hypothesis.model.terms.size() - 1);
   return hypothesis;

@@ -6,7 +6,7 @@ std::string term_meaning(const TermPowers& strongest, bool on_stack) {
   const auto power = [&](TermFactor factor) { return power_of(strongest, factor); };
   const int position = power(TermFactor::Position);
   const int drive = power(TermFactor::Drive) + power(TermFactor::DriveSize) + power(TermFactor::DriveSign);
-  const int speed = power(TermFactor::Speed) + power(TermFactor::SpeedSize) + power(TermFactor::SpeedRoot);
+  const int speed = power(TermFactor::Speed) + power(TermFactor::SpeedSize) + power(TermFactor::SpeedPower);
   if (power(TermFactor::Memory) > 0)
     return "a spring with a damper in series, such as tubing, a cable, an adhesive or tissue that relaxes";
   if (repeats_with_position(strongest))
@@ -34,8 +34,8 @@ std::string term_meaning(const TermPowers& strongest, bool on_stack) {
            "gap changes";
   if (speed > 0 && (power(TermFactor::Speed) + power(TermFactor::SpeedSign)) % 2 == 0)
     return "a force of one direction that grows with the speed of either, such as of a flow";
-  if (power(TermFactor::SpeedRoot) > 0)
-    return "a drag that grows with the root of the speed, such as of a lubricated contact or a paste that "
+  if (power(TermFactor::SpeedPower) > 0)
+    return "a drag that grows with a power of the speed, such as of a lubricated contact or a paste that "
            "thins as it flows";
   if (speed > 0)
     return "a drag that grows otherwise than with the speed or its square, such as flow through a gap, a "

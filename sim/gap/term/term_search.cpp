@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <optional>
 
 #include "robot/common/in_parallel.hpp"
 #include "sim/gap/fit/fit.hpp"
@@ -13,9 +15,10 @@ namespace {
 
 constexpr std::size_t kLookMostProducts = kMostTermParts;
 constexpr double kLookWorthAProduct = 0.7;  // of the excess square, left by one more
-constexpr double kLookNearNoise = 0.1;  // of the noise's square: nothing to explain with a further product
-constexpr double kLookAsGood = 3.0;     // ratio of excess squares worth a simulation
-constexpr double kLookExact = 0.01;     // of the RMS without a term: the look is linear, the rows are coarse
+constexpr double kLookNearNoise = 0.1;   // of the noise's square: nothing to explain with a further product
+constexpr double kLookExplained = 0.05;  // of the excess square, left: enough to look no further
+constexpr double kLookAsGood = 3.0;      // ratio of excess squares worth a simulation
+constexpr double kLookExact = 0.01;      // of the RMS without a term: the look is linear, the rows are coarse
 constexpr std::size_t kLookSuggested = 3;
 constexpr std::size_t kLookFolds = 3;  // at least
 constexpr double kLookHopedFor = 0.1;  // of the square: the priors' weight is that of a residual so small
@@ -83,48 +86,54 @@ bool is_baseline(const DictionaryEntry& entry, const Hypothesis& around) {
   });
 }
 
-// The columns of the regression: calibration, then the dictionary, each for a largest force of 1 N.
+// The columns of the regression: calibration, then products, each for a largest force of 1 N.
 struct Columns {
   Eigen::MatrixXd values;
-  std::vector<double> per_newton;  // coefficient for that force
-  Eigen::VectorXd prior, about;    // of the calibration
+  std::vector<DictionaryEntry> entries;  // the products
+  std::vector<double> per_newton;        // coefficient for that force
+  Eigen::VectorXd prior, about;          // of the calibration
 };
 
-Columns columns_of(const Responses& responses, const Hypothesis& around, const MotionRows& motion,
-                   const std::vector<DictionaryEntry>& entries, const Evidence& evidence) {
+Columns calibration_columns(const Responses& responses, const Hypothesis& around, const MotionRows& motion,
+                            const Evidence& evidence) {
   const std::vector<std::size_t> calibration = calibration_of(around);
-  const std::size_t known = calibration.size();
+  const auto known = static_cast<Eigen::Index>(calibration.size());
   const Eigen::VectorXd now = responses.now();
   Columns out;
-  out.values.resize(now.size(), static_cast<Eigen::Index>(known + entries.size()));
-  out.per_newton.assign(entries.size(), 0.0);
-  in_parallel(known + entries.size(), [&](std::size_t t) {
-    const auto column = static_cast<Eigen::Index>(t);
-    if (t < known) {
-      const Unknown& u = around.unknowns[calibration[t]];
-      out.values.col(column) = is_force(u, around)
-                                   ? responses.of_force(baseline_force(u, around.model.baseline, motion))
-                                   : responses.of_unknown(calibration[t]);
-      return;
-    }
-    std::vector<double> down = values_of(entries[t - known], motion);
-    const double size = largest_size(down);
-    if (size > 0.0)
-      for (double& value : down) value /= -size;
-    out.per_newton[t - known] = size > 0.0 ? 1.0 / size : 0.0;
-    out.values.col(column) = responses.of_force(down);
+  out.values.resize(now.size(), known);
+  in_parallel(calibration.size(), [&](std::size_t t) {
+    const Unknown& u = around.unknowns[calibration[t]];
+    out.values.col(static_cast<Eigen::Index>(t)) =
+        is_force(u, around) ? responses.of_force(baseline_force(u, around.model.baseline, motion))
+                            : responses.of_unknown(calibration[t]);
   });
   const double weight =
       residual_weight(evidence, kLookHopedFor * now.squaredNorm() / static_cast<double>(now.size()));
-  out.prior = out.about = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(known));
-  for (std::size_t i = 0; i < known; ++i) {
-    const Unknown& u = around.unknowns[calibration[i]];
-    const auto at = static_cast<Eigen::Index>(i);
+  out.prior = out.about = Eigen::VectorXd::Zero(known);
+  for (Eigen::Index i = 0; i < known; ++i) {
+    const Unknown& u = around.unknowns[calibration[static_cast<std::size_t>(i)]];
     if (!std::isfinite(u.prior_std)) continue;
-    out.prior[at] = 1.0 / (weight * u.prior_std * u.prior_std);
-    out.about[at] = u.theta - u.prior_mean;  // the solution is the opposite of the change
+    out.prior[i] = 1.0 / (weight * u.prior_std * u.prior_std);
+    out.about[i] = u.theta - u.prior_mean;  // the solution is the opposite of the change
   }
   return out;
+}
+
+void add_products(Columns& out, const std::vector<DictionaryEntry>& entries, const Responses& responses,
+                  const MotionRows& motion) {
+  const Eigen::Index first = out.values.cols();
+  const std::size_t products = out.entries.size();
+  out.values.conservativeResize(Eigen::NoChange, first + static_cast<Eigen::Index>(entries.size()));
+  out.entries.insert(out.entries.end(), entries.begin(), entries.end());
+  out.per_newton.resize(out.entries.size(), 0.0);
+  in_parallel(entries.size(), [&](std::size_t t) {
+    std::vector<double> down = values_of(entries[t], motion);
+    const double size = largest_size(down);
+    if (size > 0.0)
+      for (double& value : down) value /= -size;
+    out.per_newton[products + t] = size > 0.0 ? 1.0 / size : 0.0;
+    out.values.col(first + static_cast<Eigen::Index>(t)) = responses.of_force(down);
+  });
 }
 
 // What the residual would be without the term that the model ends with.
@@ -154,8 +163,7 @@ bool may_join(const std::vector<DictionaryEntry>& entries, const Support& suppor
 // The residual is to vanish, and the columns' sum is its opposite: so are coefficients and changes of the
 // calibration.
 Hypothesis suggestion(Hypothesis around, bool with_term, const Support& support,
-                      const Eigen::VectorXd& solution, const Columns& columns,
-                      const std::vector<DictionaryEntry>& entries, const MotionRows& motion) {
+                      const Eigen::VectorXd& solution, const Columns& columns, const MotionRows& motion) {
   if (with_term) remove_last_term(around);
   const Eigen::Index known = columns.prior.size();
   std::vector<double> thetas;
@@ -165,12 +173,13 @@ Hypothesis suggestion(Hypothesis around, bool with_term, const Support& support,
   around.set(thetas);
   Term term;
   for (std::size_t i = 0; i < support.size(); ++i) {
-    const DictionaryEntry& entry = entries[support[i]];
+    const DictionaryEntry& entry = columns.entries[support[i]];
     term.parts.push_back(
         {.coefficient = -solution[known + static_cast<Eigen::Index>(i)] * columns.per_newton[support[i]],
          .powers = entry.powers});
     term.memory_time = std::max(term.memory_time, entry.memory_time);
     term.period = std::max(term.period, entry.period);
+    term.exponent = std::max(term.exponent, entry.exponent);
   }
   term.seen = motion.ranges();
   for (TermRange* range : {&term.seen.x, &term.seen.v, &term.seen.drive, &term.seen.memory}) {
@@ -182,12 +191,10 @@ Hypothesis suggestion(Hypothesis around, bool with_term, const Support& support,
   return around;
 }
 
-// How many products: fewer where one more leaves nearly as much.
-std::size_t worthwhile(const std::vector<std::vector<ScoredSupport>>& by_size, double tolerated,
-                       const Evidence& evidence) {
-  const auto left = [&](std::size_t i) { return excess(by_size[i].front().square, evidence) + tolerated; };
+// How many products: fewer where one more leaves nearly as much. left(i): by i + 1 products.
+std::size_t worthwhile(std::size_t most, const std::function<double(std::size_t)>& left) {
   std::size_t best = 0;
-  for (std::size_t i = 1; i < by_size.size(); ++i)
+  for (std::size_t i = 1; i < most; ++i)
     if (left(i) < std::pow(kLookWorthAProduct, static_cast<double>(i - best)) * left(best)) best = i;
   return best;
 }
@@ -202,26 +209,43 @@ std::vector<Hypothesis> suggested_terms(const Hypothesis& around, bool with_term
                                         const Evidence& evidence) {
   std::vector<DictionaryEntry> entries = distinct_entries(motion);
   std::erase_if(entries, [&](const DictionaryEntry& entry) { return is_baseline(entry, around); });
+  const auto repeating = std::ranges::stable_partition(
+      entries, [](const DictionaryEntry& entry) { return entry.period == 0.0; });
+  const std::vector<DictionaryEntry> waves(repeating.begin(), repeating.end());
+  entries.erase(repeating.begin(), repeating.end());
   const Responses responses(around, evidence);
   Eigen::VectorXd target = responses.now();
   if (!target.allFinite()) return {};
-  const Columns columns = columns_of(responses, around, motion, entries, evidence);
+  Columns columns = calibration_columns(responses, around, motion, evidence);
+  const auto known = static_cast<std::size_t>(columns.prior.size());
   if (with_term) target = without_term(target, around.model.terms.back(), responses, motion);
   if (!target.allFinite()) return {};
-  const auto known = static_cast<std::size_t>(columns.prior.size());
-  const SparseRegression regression(columns.values, target, known, columns.prior, columns.about,
-                                    folds_of(evidence));
-  const auto by_size = regression.search(kLookMostProducts, [&](const Support& support, std::size_t column) {
-    return may_join(entries, support, column);
-  });
+  std::vector<std::vector<ScoredSupport>> by_size;
+  std::optional<SparseRegression> regression;
+  const auto look = [&](const std::vector<DictionaryEntry>& more) {
+    add_products(columns, more, responses, motion);
+    regression.emplace(columns.values, target, known, columns.prior, columns.about, folds_of(evidence));
+    by_size = regression->search(kLookMostProducts, [&](const Support& support, std::size_t column) {
+      return may_join(columns.entries, support, column);
+    });
+  };
+  look(entries);
+  if (by_size.empty()) return {};
+  const double tolerated = term_tolerance(regression->cross_validated({}), evidence);
+  const auto left = [&](std::size_t size) {
+    return excess(by_size[size].front().square, evidence) + tolerated;
+  };
+  // What repeats along the way is looked for where nothing simpler explains the residual: its many periods
+  // cost as much as all else.
+  std::size_t size = worthwhile(by_size.size(), left);
+  if (left(size) > kLookExplained * excess(regression->cross_validated({}), evidence)) {
+    look(waves);
+    size = worthwhile(by_size.size(), left);
+  }
   std::vector<Hypothesis> out;
-  if (by_size.empty()) return out;
-  const double tolerated = term_tolerance(regression.cross_validated({}), evidence);
-  const std::size_t size = worthwhile(by_size, tolerated, evidence);
-  const double best = excess(by_size[size].front().square, evidence) + tolerated;
+  const double best = left(size);
   const auto add = [&](const Support& support) {
-    out.push_back(
-        suggestion(around, with_term, support, regression.solve(support), columns, entries, motion));
+    out.push_back(suggestion(around, with_term, support, regression->solve(support), columns, motion));
   };
   for (const ScoredSupport& one : by_size[size])
     if (out.size() < kLookSuggested && excess(one.square, evidence) + tolerated < kLookAsGood * best)

@@ -163,8 +163,9 @@ TEST(GapProposal, IsAFieldOfItsOwnInJson) {
   EXPECT_EQ(gap["verdict"], "unexplained");
   EXPECT_TRUE(gap["effects"].empty());
   const ordered_json& term = gap["proposed"];
-  EXPECT_EQ(keys(term), (Names{"name", "expression", "coefficients", "memory_s", "memory_std_s", "seen",
-                               "rmse_mm", "gap_closed", "meaning", "rivals"}));
+  EXPECT_EQ(keys(term), (Names{"name", "expression", "coefficients", "memory_s", "memory_std_s", "exponent",
+                               "exponent_std", "period_mm", "period_std_mm", "seen", "rmse_mm", "gap_closed",
+                               "meaning", "rivals"}));
   EXPECT_EQ(term["coefficients"][1], (ordered_json{{"name", "b"},
                                                    {"product", "x v"},
                                                    {"unit", "N s/m^2"},

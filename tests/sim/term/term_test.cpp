@@ -49,6 +49,8 @@ TEST(TermText, WhatIsWrittenReadsBackAsTheSameTerm) {
       term.seen.*(key.range) = {-1e-3 * static_cast<double>(1 + below(900)), 0.02};
       if (key.range == &TermRanges::memory) term.memory_time = 0.25;
     }
+    if (has_exponent(term.parts)) term.exponent = 0.1 * static_cast<double>(1 + below(50));
+    if (has_period(term.parts)) term.period = 1e-3 * static_cast<double>(1 + below(900));
     made.notes.values[term.name + ".a"] = {0.5, "a bench"};
     made.model.terms.push_back(term);
     const std::string text = model_toml(made.model, made.notes);
@@ -56,6 +58,8 @@ TEST(TermText, WhatIsWrittenReadsBackAsTheSameTerm) {
     ASSERT_EQ(read.model.terms.size(), 1U) << text;
     EXPECT_EQ(read.model.terms.front().parts, term.parts) << text;
     EXPECT_EQ(read.model.terms.front().memory_time, term.memory_time) << text;
+    EXPECT_EQ(read.model.terms.front().period, term.period) << text;
+    EXPECT_EQ(read.model.terms.front().exponent, term.exponent) << text;
     EXPECT_EQ(read.notes, made.notes) << text;
     EXPECT_EQ(model_toml(read.model, read.notes), text);
   }
@@ -72,6 +76,8 @@ TEST(TermText, GivesEachCoefficientTheUnitThatMakesItsProductAForce) {
   EXPECT_EQ(unit("a u^2 q", true), "N/(V^2 m)");
   EXPECT_EQ(unit("a u", false), "1");
   EXPECT_EQ(unit("a u^3 x", false), "1/(N^2 m)");
+  EXPECT_EQ(unit("a sign(v) |v|^n", false), "N (s/m)^n");
+  EXPECT_EQ(unit("a x sin(kx)", true), "N/m");
 }
 
 TEST(TermText, RefusesWhatIsNoTerm) {
@@ -89,6 +95,9 @@ TEST(TermText, RefusesWhatIsNoTerm) {
            {"a v +", "accepted"},
            {"", "it is empty"},
            {"a sign(v)^2", "a sign has no power"},
+           {"a sin(kx)^2", "a sine has no power"},
+           {"a |v|^n^2", "the power of \"|v|^n^2\""},
+           {"a v^0.5", "the power of \"v^0.5\""},
            {"a v + b v^2 + c v^3 + d v^4 + e v^5 + f v^6 + g |v|", "more than 6 products"}}) {
     const std::string text = refused("expression = \"" + expression + "\"\na = 1\n" + range);
     if (reason == "accepted")
@@ -104,6 +113,11 @@ TEST(TermText, RefusesWhatIsNoTerm) {
   expect_refusal(refused(cubic + "a = 1\n" + range + "x_mm = [0, 1]\n"), "m.toml:", "x_mm");
   expect_refusal(refused(cubic + "a = 1\n" + range + "memory_s = 1\n"), "m.toml:", "memory_s");
   expect_refusal(refused("expression = \"a q\"\na = 1\nq_mm = [0, 1]\n"), "m.toml:", "memory_s");
+  const std::string wave = "expression = \"a sin(kx)\"\na = 1\nx_mm = [0, 1]\n";
+  expect_refusal(refused(wave), "m.toml:", "period_mm");
+  expect_refusal(refused(wave + "period_mm = 0\n"), "m.toml:", "period_mm");
+  EXPECT_EQ(refused(wave + "period_mm = 2.5\n"), "accepted");
+  expect_refusal(refused(cubic + "a = 1\n" + range + "period_mm = 2.5\n"), "m.toml:", "period_mm");
   expect_refusal(refused(cubic + "a = 1e20\n" + range), "m.toml:7", "reaches 1e+14 N");
   expect_refusal(refused(cubic + "a = nan\n" + range), "m.toml:8", "finite");
   expect_refusal(refused(cubic + "a = { value = 1, unit = \"N s/m\" }\n" + range), "m.toml:8",
@@ -130,9 +144,10 @@ TEST(TermText, RefusesTheNameOfAnEffectAndTooManyTerms) {
 
 TEST(TermText, AMutatedTermIsReadOrRefusedAndCanBeRun) {
   const std::string original =
-      "[baseline]\n[term.proposed]\nexpression = \"a v^3 + b x^2 sign(v) + c q u\"\n"
-      "a = { value = -3, unit = \"N s^3/m^3\" }\nb = -50\nc = 0.02\nx_mm = [-1, 4]\nv_mm_s = [-30, 40]\n"
-      "u_V = [-3000, 3000]\nq_mm = [-4, 4]\nmemory_s = 0.3\n";
+      "[baseline]\n[term.proposed]\nexpression = \"a v^3 + b x^2 sign(v) + c q u + d |v|^n cos(kx)\"\n"
+      "a = { value = -3, unit = \"N s^3/m^3\" }\nb = -50\nc = 0.02\nd = 0.1\nx_mm = [-1, 4]\nv_mm_s = [-30, "
+      "40]\n"
+      "u_V = [-3000, 3000]\nq_mm = [-4, 4]\nmemory_s = 0.3\nperiod_mm = 1.7\nn = 0.4\n";
   std::mt19937 random(11);
   int read = 0;
   for (int i = 0; i < 4000; ++i) {
@@ -199,6 +214,34 @@ TEST(TermForce, MovesARigAsAnIntegratorOfItsOwn) {
     ASSERT_NEAR(state.motion.x, s.x, 1e-6) << k;
   }
   EXPECT_GT(largest, 5e-3);
+}
+
+// A body that cogs, under a drag that grows with a power of its speed; x'' = (u - c v - k x + F) / m.
+TEST(TermForce, RepeatsWithPositionAndGrowsWithAPowerOfTheSpeed) {
+  constexpr double kFastest = 2.0, kSlow = 0.01 * kFastest;  // m/s, seen; below, the power is a line
+  const PlantModel model = rig_with(
+      "expression = \"a sin(kx) + b cos(kx) + c sign(v) |v|^n\"\na = 0.3\nb = -0.2\nc = -0.25\n"
+      "x_mm = [-100, 100]\nv_mm_s = [-2000, 2000]\nperiod_mm = 4\nn = 0.4\n");
+  double x = 0.0, v = 0.0, largest = 0.0;
+  const auto pull = [&](double at, double speed, double u) {
+    const double turn = 2.0 * std::acos(-1.0) * at / 4e-3, fast = std::max(std::abs(speed), kSlow);
+    return (u - 0.6 * speed - 140 * at + 0.3 * std::sin(turn) - 0.2 * std::cos(turn) -
+            0.25 * speed * std::pow(fast, -0.6)) /
+           0.08;
+  };
+  PlantState state = at_rest(model);
+  for (int k = 0; k < 3000; ++k) {
+    const double u = 1.4 * std::sin(0.011 * k) + 0.6 * std::sin(0.037 * k);
+    state = step(model, state, {.force = u}, Seconds(1e-3));
+    for (int i = 0; i < 50; ++i) {  // midpoint rule
+      const double h = 2e-5, x_mid = x + 0.5 * h * v, v_mid = v + 0.5 * h * pull(x, v, u);
+      x += h * v_mid;
+      v += h * pull(x_mid, v_mid, u);
+    }
+    largest = std::max(largest, std::abs(x));
+    ASSERT_NEAR(state.motion.x, x, 1e-5) << k;
+  }
+  EXPECT_GT(largest, 20e-3);
 }
 
 TEST(TermForce, DryFrictionThatDependsOnThePlaceHoldsThere) {

@@ -108,6 +108,25 @@ std::vector<ForceLaw> outside_laws(const LawRig& rig, double share, Dice& dice) 
   };
 }
 
+std::vector<ForceLaw> sliding_laws(const LawRig& rig, double share, Dice& dice) {
+  const double X = usual_position(rig), V = X * kFullTurn * rig.hertz, F = share * kDrive;
+  const double period = dice.between(0.5, 0.9) * X, phase = dice.between(0.0, kFullTurn);
+  const double power = dice.between(0.4, 0.6), slope = dice.between(0.3, 0.6);
+  return {
+      {"cogging",
+       {'x'},
+       [=](const LawPoint& p) { return 0.7 * F * std::sin(kFullTurn * p.x / period + phase); }},
+      {"thinning_paste",
+       {'v'},
+       [=](const LawPoint& p) {
+         return -F * p.v / V * std::pow(p.v * p.v / (V * V) + 1e-4, 0.5 * power - 0.5);
+       }},
+      {"tapered_guide",
+       {'x', 'v'},
+       [=](const LawPoint& p) { return -0.4 * F * (1.0 + slope * p.x / X) * std::tanh(p.v / kTurnover); }},
+  };
+}
+
 std::vector<ForceLaw> curved_laws(const LawRig& rig, double share, Dice& dice) {
   const double X = usual_position(rig), V = X * kFullTurn * rig.hertz;
   const double F = share * kDrive, side = dice.uniform() < 0.5 ? -1.0 : 1.0;

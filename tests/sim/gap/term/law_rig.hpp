@@ -33,6 +33,9 @@ struct LawRig {
 // `share` of the drive where position, speed and drive have the rig's usual sizes.
 std::vector<ForceLaw> outside_laws(const LawRig& rig, double share, Dice& dice);
 
+// The same for cogging, a drag of a power near the root and dry friction along the way.
+std::vector<ForceLaw> sliding_laws(const LawRig& rig, double share, Dice& dice);
+
 // The same for laws that no finite sum of products gives: bumps, ledges, roots, exponentials.
 std::vector<ForceLaw> curved_laws(const LawRig& rig, double share, Dice& dice);
 

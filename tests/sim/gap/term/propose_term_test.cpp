@@ -111,6 +111,12 @@ TEST(ProposedTerm, OfForceLawsThatAreSumsOfProductsMostAreFound) {
                     score_of(outside_laws, 10, {31, 57}));
 }
 
+TEST(ProposedTerm, OfCoggingPasteAndATaperedGuideIsFoundInItsVariables) {
+  expect_documented("sliding",
+                    "mechanism, three laws: cogging, a paste that thins, a guide that tapers, alone",
+                    score_of(sliding_laws, 3, {19, 43, 88}));
+}
+
 TEST(ProposedTermCampaign, OfForceLawsThatAreNotMostAreFoundInTheirVariables) {
   expect_documented(
       "curved", "mechanism, eight laws that are not (a bump, exponentials, a check valve, saturation), alone",
