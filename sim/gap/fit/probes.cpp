@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <string_view>
 
 namespace biopsy::sim::gap {
 namespace {
@@ -20,6 +21,9 @@ constexpr std::array kFinePlaces{0.04, 0.12, 0.2, 0.28, 0.36, 0.44, 0.52, 0.6, 0
 constexpr std::array kFineFactors{1.0, 0.5, 2.0};
 constexpr std::array kLevels{0.95, 0.85, 0.7, 0.5};  // of the largest voltage
 constexpr std::array kShapeFactors{1.0, 0.2, 5.0};
+constexpr double kUsualStroke = 4e-3;  // m, of a stage, for which the library's typical lengths are
+constexpr double kUsualSize = 3.0;     // times as much or little, within which they stay
+constexpr std::string_view kLength = "_mm";
 
 using Starts = std::vector<std::vector<double>>;
 
@@ -102,13 +106,20 @@ bool is_mixture(const LibraryParameter& p) {
   return p.low == 0.0 && p.high == 1.0;
 }
 
-std::vector<double> shapes_of(const LibraryParameter& p, bool fine) {
+// Of the library's typical lengths: a mechanism may move by a hundred times as much as a stage.
+double size_of_motion(const Evidence& evidence) {
+  const double size = (evidence.x_high - evidence.x_low) / kUsualStroke;
+  return size > kUsualSize || (size > 0.0 && size * kUsualSize < 1.0) ? size : 1.0;
+}
+
+std::vector<double> shapes_of(const LibraryParameter& p, bool fine, const Evidence& evidence) {
   if (is_mixture(p)) return {p.typical, 0.5 * (p.low + p.high)};
   if (p.low <= 0.0) return {p.typical, p.high};
+  const double typical = p.typical * (p.name.ends_with(kLength) ? size_of_motion(evidence) : 1.0);
   std::vector<double> out;
   out.reserve(kShapeFactors.size());
   for (const double factor : fine ? kFineFactors : kShapeFactors)
-    out.push_back(std::clamp(p.typical * factor, p.low, p.high));
+    out.push_back(std::clamp(typical * factor, p.low, p.high));
   return out;
 }
 
@@ -213,7 +224,7 @@ std::vector<std::vector<double>> probe_starts(int effect, const Evidence& eviden
       case Role::Strength:
         break;
       case Role::Shape:
-        if (!shaped || is_mixture(p)) vary(starts, i, shapes_of(p, fine));
+        if (!shaped || is_mixture(p)) vary(starts, i, shapes_of(p, fine, evidence));
         shaped = shaped || !is_mixture(p);
         break;
       case Role::Place:
