@@ -22,7 +22,7 @@ constexpr std::array kDictionaryProducts{
     "a x |v| v + b x v^2 + c x v^3 + d x^2 |v| v",
     "a sign(v) + b x sign(v) + c x^2 sign(v) + d |u| sign(v) + e u^2 sign(v)",
     "a u + b u^2 + c u^3 + d |u| u + e |u|^3 + f u^4",
-    "a u^5",
+    "a u^5 + b sign(u) + c u |v|",
     "a x u + b x^2 u + c x^3 u + d x^4 u",
     "a x u^2 + b v u + c v u^2 + d v |u|",
     "a |u| + b x |u|"};
