@@ -112,13 +112,17 @@ bool Term::has_dry_friction() const {
   return std::ranges::any_of(parts, [](const TermPart& part) { return acts_at_rest(part.powers); });
 }
 
+TermPoint Term::sizes_within(double x, double v) const {
+  return {.x = std::min(x, size(seen.x)),
+          .v = std::min(v, size(seen.v)),
+          .drive = size(seen.drive),
+          .memory = size(seen.memory),
+          .slow = kSlowShare * size(seen.v),
+          .exponent = exponent};
+}
+
 Steepness Term::steepest(const Reach& reach) const {
-  const TermPoint sizes{.x = std::min(reach.x, size(seen.x)),
-                        .v = std::min(reach.v, size(seen.v)),
-                        .drive = size(seen.drive),
-                        .memory = size(seen.memory),
-                        .slow = kSlowShare * size(seen.v),
-                        .exponent = exponent};
+  const TermPoint sizes = sizes_within(reach.x, reach.v);
   Steepness out{.rate = memory_time > 0.0 ? 1.0 / memory_time : 0.0};
   for (const TermPart& part : parts) {
     const Bound bound = bound_of(part.powers, sizes, wave_number(period));
@@ -129,12 +133,7 @@ Steepness Term::steepest(const Reach& reach) const {
 }
 
 double Term::largest_force() const {
-  const TermPoint sizes{.x = size(seen.x),
-                        .v = size(seen.v),
-                        .drive = size(seen.drive),
-                        .memory = size(seen.memory),
-                        .slow = kSlowShare * size(seen.v),
-                        .exponent = exponent};
+  const TermPoint sizes = sizes_within(size(seen.x), size(seen.v));
   double sum = 0.0;
   for (const TermPart& part : parts)
     sum += std::abs(part.coefficient) * bound_of(part.powers, sizes, wave_number(period)).product;

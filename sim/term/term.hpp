@@ -105,6 +105,7 @@ struct Term {
 
  private:
   TermPoint seen_at(const TermPoint& at) const;
+  TermPoint sizes_within(double x, double v) const;  // of each variable, where it was seen
 };
 
 // Of a period [m], rad/m; 0 without one.

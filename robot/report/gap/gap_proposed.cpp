@@ -34,6 +34,9 @@ std::string equation_text(const ProposedTerm& term) {
     out += fmt::format(" {}{}{:.4g}{}{}", sign, first ? "" : " ", std::abs(c.value),
                        c.product.empty() ? "" : " ", c.product);
   }
+  if (term.exponent > 0.0) out += fmt::format(", n = {:.3g}", term.exponent);
+  if (term.period_mm > 0.0) out += fmt::format(", k = 2π/{:.4g} mm", term.period_mm);
+  if (term.memory_s > 0.0) out += fmt::format(", q forgotten within {:.3g} s", term.memory_s);
   return out;
 }
 

@@ -157,6 +157,23 @@ TEST(GapProposal, IsSaidAsAnEquationAndNotAsAName) {
   EXPECT_EQ(gap_html(example_unexplained()).find("Proposed term"), std::string::npos);
 }
 
+TEST(GapProposal, SaysWhatItsLettersStandFor) {
+  GapFinding f = example_proposed();
+  f.proposed->exponent = 0.482, f.proposed->exponent_std = 0.004;
+  f.proposed->period_mm = 3.2, f.proposed->period_std = 0.01;
+  f.proposed->memory_s = 0.25, f.proposed->memory_std = 0.02;
+  const std::string html = gap_html(f);
+  for (const char* part : {", n = 0.482, k = 2π/3.2 mm, q forgotten within 0.25 s</strong>",
+                           "n is 0.4820 ± 0.0040", "k is 2π over a period of 3.200 ± 0.010 mm"})
+    EXPECT_NE(html.find(part), std::string::npos) << part;
+  const ordered_json term = ordered_json::parse(gap_json(f))["proposed"];
+  EXPECT_EQ(term["exponent"], 0.482);
+  EXPECT_EQ(term["period_mm"], 3.2);
+  const ordered_json plain = ordered_json::parse(gap_json(example_proposed()))["proposed"];
+  EXPECT_TRUE(plain["exponent"].is_null());
+  EXPECT_TRUE(plain["period_std_mm"].is_null());
+}
+
 TEST(GapProposal, IsAFieldOfItsOwnInJson) {
   const ordered_json gap = ordered_json::parse(gap_json(example_proposed()));
   expect_interface(gap);

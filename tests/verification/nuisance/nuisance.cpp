@@ -1,6 +1,7 @@
 // Hours of healthy procedures on the virtual clock: no trip and no unrequested stop.
 #include <algorithm>
 
+#include "tests/kept_figures.hpp"
 #include "tests/source_dir.hpp"
 #include "tests/verification/evidence_program.hpp"
 #include "tests/verification/nuisance/drawn_stages.hpp"
@@ -32,8 +33,16 @@ biopsy::EvidenceReport report_of(const HealthyRun& day, double seconds) {
   return report;
 }
 
+std::vector<std::string> row_of(const HealthyRun& all, std::size_t stages) {
+  std::vector<std::string> row{std::to_string(stages), fmt::format("{:.0f}", all.hours)};
+  for (const int count : {all.procedures, all.completed, all.given_up, all.trips, all.unexpected_stops,
+                          all.borne_out, all.needles_held})
+    row.push_back(std::to_string(count));
+  return row;
+}
+
 // Figures of all days together; each day's stage is another of `stages`.
-biopsy::EvidenceReport run(double hours, std::uint64_t seed, int drawn) {
+biopsy::EvidenceReport run(double hours, std::uint64_t seed, int drawn, const std::string& keep) {
   NominalModels models = read_nominal_models(biopsy::source_dir() / "sim/models");
   std::vector<biopsy::sim::PlantModel> stages{models.stage};
   models.varies = drawn == 0;
@@ -59,6 +68,10 @@ biopsy::EvidenceReport run(double hours, std::uint64_t seed, int drawn) {
   for (const Alarm& alarm : all.alarms)
     fmt::print("  stage {}, procedure {} at {:.2f} s: {}\n", alarm.stage, alarm.procedure, alarm.at_s,
                alarm.what);
+  if (!keep.empty())
+    biopsy::write_figures(
+        "nuisance-drawn",
+        {keep, "explanation/verification.md", "g++ " __VERSION__, {row_of(all, stages.size())}});
   return report_of(all, time.seconds());
 }
 
@@ -69,12 +82,15 @@ int main(int argc, char** argv) {
   bool quick = false;
   std::uint64_t seed = 1;
   int drawn = 0;
+  std::string keep;
   CLI::App app{"Hours of healthy procedures on the virtual clock: no trip and no unrequested stop"};
   app.add_flag("--quick", quick, "twenty minutes");
   app.add_option("--hours", hours, "of procedures")->check(CLI::Range(1e-3, 1'000.0));
   app.add_option("--seed", seed, "of all random choices");
   app.add_option("--drawn-stages", drawn, "so many stages of the calibration's posterior, each for the hours")
       ->check(CLI::Range(0, 1'000));
+  app.add_option("--keep", keep, "keep the table for the documentation, as that of this command")
+      ->needs("--drawn-stages");
   return biopsy::evidence_program("nuisance", app, argc, argv,
-                                  [&] { return run(quick ? 1.0 / 3.0 : hours, seed, drawn); });
+                                  [&] { return run(quick ? 1.0 / 3.0 : hours, seed, drawn, keep); });
 }
