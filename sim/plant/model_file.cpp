@@ -86,8 +86,8 @@ Term read_term(TomlTable table, const std::string& name, Drive drive, ModelNotes
   for (std::size_t i = 0; i < term.parts.size(); ++i) {
     TermPart& part = term.parts[i];
     const std::string letter = coefficient_name(i), unit = coefficient_unit(part.powers, on_stack);
-    part.coefficient =
-        read_value(table, letter, -kLargestCoefficient, kLargestCoefficient, name + "." + letter, notes);
+    part.coefficient = read_value(table, letter, -kLargestCoefficient, kLargestCoefficient,
+                                  fmt::format("{}.{}", name, letter), notes);
     if (!table.holds_table(letter)) continue;
     TomlTable described = table.table(letter);
     if (described.has("unit") && described.text("unit") != unit)

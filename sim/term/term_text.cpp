@@ -96,7 +96,7 @@ std::string coefficient_unit(const TermPowers& powers, bool on_stack) {
   if (speeds > 0) above.push_back(unit_power("s", speeds));
   if (has_speed_power(powers)) above.emplace_back("(s/m)^n");
   if (metres > 0) below.push_back(unit_power("m", metres));
-  const std::string top = above.empty() ? "1" : fmt::format("{}", fmt::join(above, " "));
+  std::string top = above.empty() ? "1" : fmt::format("{}", fmt::join(above, " "));
   if (below.empty()) return top;
   const std::string bottom = fmt::format("{}", fmt::join(below, " "));
   return below.size() > 1 ? fmt::format("{}/({})", top, bottom) : fmt::format("{}/{}", top, bottom);

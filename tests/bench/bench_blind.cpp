@@ -98,6 +98,12 @@ struct Proposals {
     return fmt::format("; proposed {} closes {:.3f}{}", term.expression, term.gap_closed,
                        same ? "" : ", of another variable");
   }
+
+  std::vector<std::vector<std::string>> rows() const {
+    return {{"outside the library and unexplained, with a term", fmt::format("{} of {}", proposed, asked)},
+            {"that closes 80 % of the held-out gap (>= 70 %)", fmt::format("{} of {}", closed, asked)},
+            {"and is of the right variable (>= 80 %)", fmt::format("{} of {}", right, closed)}};
+  }
 };
 
 Answer timed(const std::function<Answer()>& answer) {
@@ -163,9 +169,12 @@ int run(const Options& options) {
   std::vector<std::pair<std::string, hidden::Score>> columns{{"find_gap", ours}};
   for (const Method& peer : peers) columns.emplace_back(peer.name, peer.score);
   fmt::print("\n{}\n", score_table(columns));
-  if (!options.keep.empty())
-    write_figures(options.peers == "none" ? "blind-whole" : "blind",
-                  {options.keep, "explanation/gap-search.md", "g++ " __VERSION__, score_rows(columns)});
+  const auto keep = [&](const char* name, const std::vector<std::vector<std::string>>& rows) {
+    if (!options.keep.empty())
+      write_figures(name, {options.keep, "explanation/gap-search.md", "g++ " __VERSION__, rows});
+  };
+  if (options.kind.empty()) keep(options.peers == "none" ? "blind-whole" : "blind", score_rows(columns));
+  if (options.kind == "outside") keep("blind-terms", proposals.rows());
   fmt::print(
       "Named with less than half of the gap closed: {}. Outside the library and unexplained: {}; a term "
       "proposed: "

@@ -188,6 +188,7 @@ Spectrum residual_spectrum(const std::vector<double>& training_residual, const E
   std::sort(peaks.rbegin(), peaks.rend());
   const std::vector<ThinRun> motion = thinned(predicted(training_residual, evidence), evidence);
   std::vector<double> repetitions;
+  repetitions.reserve(motion.size());
   for (const ThinRun& run : motion) repetitions.push_back(repetition(run));
   std::erase_if(peaks, [&](const auto& peak) { return goes_with_motion(peak.second, motion, repetitions); });
   Spectrum out;

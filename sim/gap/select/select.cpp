@@ -135,6 +135,7 @@ std::vector<Candidate> near_candidates(const SelectedTerm& term) {
   std::ranges::stable_sort(rivals, {}, [](const CandidateFit* t) { return t->scored.square; });
   if (rivals.size() > kMostRivals) rivals.resize(kMostRivals);
   std::vector<Candidate> out;
+  out.reserve(rivals.size());
   for (const CandidateFit* t : rivals) out.push_back(t->candidate);
   // Where a friction of more numbers is a rival, so is the one that it contains and is when these do not
   // matter.

@@ -209,10 +209,10 @@ std::vector<Hypothesis> suggested_terms(const Hypothesis& around, bool with_term
                                         const Evidence& evidence) {
   std::vector<DictionaryEntry> entries = distinct_entries(motion);
   std::erase_if(entries, [&](const DictionaryEntry& entry) { return is_baseline(entry, around); });
-  const auto repeating = std::ranges::stable_partition(
-      entries, [](const DictionaryEntry& entry) { return entry.period == 0.0; });
-  const std::vector<DictionaryEntry> waves(repeating.begin(), repeating.end());
-  entries.erase(repeating.begin(), repeating.end());
+  const auto repeating = std::stable_partition(
+      entries.begin(), entries.end(), [](const DictionaryEntry& entry) { return entry.period == 0.0; });
+  const std::vector<DictionaryEntry> waves(repeating, entries.end());
+  entries.erase(repeating, entries.end());
   const Responses responses(around, evidence);
   Eigen::VectorXd target = responses.now();
   if (!target.allFinite()) return {};
