@@ -91,23 +91,6 @@ TEST(Motor, SaysItsNumbers) {
   }
 }
 
-// A time constant of a quarter of a row: its drag shows, and five times its inertia moves it as well.
-TEST(Motor, WhoseInertiaDoesNotShowHasAWideInterval) {
-  const Motor motor{.inertia = 0.002, .drag = 0.8};
-  const GapFinding finding =
-      sim::gap::find_gap(recorded(motor, rectangle, 750), guess(0.003, 1.2, 0.0), {}).finding;
-  ASSERT_EQ(finding.verdict, GapVerdict::Parameter) << finding.effects.size();
-  bool drag = false;
-  for (const ChangedParameter& number : finding.parameters_changed) {
-    if (number.name == "m") EXPECT_GT(number.std, number.after);
-    if (number.name != "c_s") continue;
-    drag = true;
-    EXPECT_NEAR(number.after, motor.drag, 0.02 * motor.drag);
-    EXPECT_LT(number.std, 0.02 * motor.drag);
-  }
-  EXPECT_TRUE(drag);
-}
-
 // A force that is always there, a turned sign and another unit of the drive are one and the same to it.
 TEST(Motor, UnderAConstantDriveHasNoExternalForce) {
   for (const double factor : {-1.0, 0.01}) {
