@@ -115,6 +115,24 @@ TEST(GapWithTerm, ADragOfTheRootOfTheSpeedIsNoFriction) {
   }
 }
 
+// Damping and a wrong scale together come near to it.
+TEST(GapWithTerm, AMotorThatWeakensWithItsSpeedHasNoName) {
+  int found = 0;
+  for (std::uint64_t seed = 88; seed < 91; ++seed) {
+    Dice dice(seed);
+    LawRig rig = drawn_rig(dice);
+    const double fast = dice.between(0.15, 0.4);  // m/s, at which nothing is left of it
+    rig.law.force = [fast](const LawPoint& p) { return -p.drive * std::min(1.0, std::abs(p.v) / fast); };
+    const std::string model = law_rig_model(rig, dice);
+    const GapFinding finding =
+        sim::gap::find_gap(law_recording(rig, kWholeNoise, seed), sim::parse_model(model, "rig.toml"), {})
+            .finding;
+    EXPECT_TRUE(finding.effects.empty()) << seed << " " << finding.effects.front().name;
+    found += finding.proposed && finding.proposed->expression.find("|v| u") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_GE(found, 2) << "of 3, as an equation";
+}
+
 TEST(GapWithTerm, ProposesNothingWhereNothingIsMissingOrNoForceIs) {
   for (const auto& [shocks, wander] : std::vector<std::pair<double, double>>{{0, 0}, {1.0, 0}, {0, 5e-4}}) {
     Dice dice(84);
