@@ -13,7 +13,7 @@ namespace biopsy::sim {
 // within +-20 `scale`.
 struct HardeningHysteresis {
   double stiffness = 0.0;  // N/m, about z = 0
-  double scale = 1e-3;     // m of z at which its stiffness has doubled
+  double scale = 3e-3;     // m of z at which its stiffness has doubled
   double exponent = 1.0;   // n
   double loop = 1.0;       // how much stiffer it unloads than it loads
 
@@ -47,7 +47,7 @@ struct HardeningHysteresis {
     return std::array{
         Parameter<E>{"stiffness_N_per_mm", &E::stiffness, 1e3, 0.0, 1e6, 0.05, "about the middle",
                      Role::Strength},
-        Parameter<E>{"scale_mm", &E::scale, 1e-3, 1e-4, 1e4, 1.0,
+        Parameter<E>{"scale_mm", &E::scale, 1e-3, 1e-4, 1e4, 3.0,
                      "inner displacement at which the stiffness has doubled", Role::Shape},
         Parameter<E>{"exponent", &E::exponent, 1.0, 1.0, 3.0, 1.0, "how the stiffness grows", Role::Shape},
         Parameter<E>{"loop", &E::loop, 1.0, 0.0, 10.0, 1.0, "how much stiffer it unloads than it loads",

@@ -345,17 +345,10 @@ std::vector<std::string> objections(const Selection& selection, const Evidence& 
                                     const Evidence& fine) {
   std::vector<std::string> out;
   const double closed = closed_by_names(selection, fine);
-  const bool hysteretic = std::ranges::any_of(
-      selection.selected, [](const SelectedTerm& term) { return is_hysteretic(term.candidate); });
-  const bool several = std::ranges::count_if(selection.selected, &SelectedTerm::is_effect) > 1;
-  if ((hysteretic || several) && !well_explained(selection.start.square, selection.best.square, fine))
-    out.push_back(several
-                      ? fmt::format("several effects together fit much that is none of them, and they close "
-                                    "{:.0f} % only",
-                                    100.0 * closed)
-                      : fmt::format("its many numbers fit much that is no such spring, and it closes {:.0f} "
-                                    "% only",
-                                    100.0 * closed));
+  for (const SelectedTerm& term : selection.selected)
+    if (is_hysteretic(term.candidate) && !well_explained(selection.start.square, selection.best.square, fine))
+      out.push_back(fmt::format(
+          "its many numbers fit much that is no such spring, and it closes {:.0f} % only", 100.0 * closed));
   for (const SelectedTerm& term : selection.selected)
     if (resembles_many(term.candidate) &&
         std::sqrt(excess(selection.best.square, fine)) > kHardlyMore * fine.noise)

@@ -95,8 +95,12 @@ double HiddenForces::resisting(double t, double x, double v, double drive, doubl
     force += side_.advance(v, level, level / kBend, mass_, h);
   }
   if (p_.rope > 0.0) {  // A = 1, beta = 2.1 / length, gamma = -3.1 / length
-    rope_ += h * (v + (3.1 * v - 2.1 * std::copysign(v, rope_)) * std::abs(rope_) / p_.rope_length);
-    force += p_.rope * rope_;
+    const auto rate_of = [&](double z) {
+      return v + (3.1 * v - 2.1 * std::copysign(v, z)) * std::abs(z) / p_.rope_length;
+    };
+    const double middle = rope_ + 0.5 * h * rate_of(rope_);
+    rope_ += h * rate_of(middle);
+    force += p_.rope * middle;
   }
   if (p_.wave_force > 0.0)
     force += p_.wave_force * std::sin(2.0 * std::numbers::pi * p_.wave_hz * t + phase_);
