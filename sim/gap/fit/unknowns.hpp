@@ -60,8 +60,8 @@ const std::vector<UncertainParameter>& uncertain_baseline(Drive drive);
 // parameter of this drive.
 Hypothesis baseline_hypothesis(const PlantModel& model, const std::vector<std::string>& free);
 
-// Adds the coefficients of the model's i-th term as unknowns, and the time of its memory and its period, if
-// it has one.
+// Adds the coefficients of the model's i-th term as unknowns, and those that it has of the time of its
+// memory, its period and its exponent.
 void add_term_unknowns(Hypothesis& hypothesis, std::size_t term);
 // Removes the model's last term with its unknowns.
 void remove_last_term(Hypothesis& hypothesis);

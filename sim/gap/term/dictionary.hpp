@@ -41,6 +41,14 @@ MotionRows simulated_motion(const PlantModel& model, const Evidence& evidence);
 // The term's memory with that time constant: term.hpp.
 std::vector<double> memory_of(const MotionRows& motion, double time);
 
+// A product of a term, with the numbers that the term has beside its coefficients.
+inline DictionaryEntry entry_of(const TermPart& part, const Term& term) {
+  return {.powers = part.powers,
+          .memory_time = term.memory_time,
+          .period = term.period,
+          .exponent = term.exponent};
+}
+
 // The entry's product at every row, SI.
 std::vector<double> values_of(const DictionaryEntry& entry, const MotionRows& motion);
 

@@ -133,8 +133,7 @@ std::vector<double> shares_of(const PlantModel& model, const Evidence& evidence)
   std::vector<double> out;
   double sum = 0.0;
   for (const TermPart& part : term.parts) {
-    const std::vector<double> values =
-        values_of({part.powers, term.memory_time, term.period, term.exponent}, motion);
+    const std::vector<double> values = values_of(entry_of(part, term), motion);
     out.push_back(std::abs(part.coefficient) * std::sqrt(mean_square(values)));
     sum += out.back();
   }

@@ -140,8 +140,7 @@ void add_products(Columns& out, const std::vector<DictionaryEntry>& entries, con
 Eigen::VectorXd without_term(Eigen::VectorXd residual, const Term& term, const Responses& responses,
                              const MotionRows& motion) {
   for (const TermPart& part : term.parts) {
-    std::vector<double> down =
-        values_of({.powers = part.powers, .memory_time = term.memory_time, .period = term.period}, motion);
+    std::vector<double> down = values_of(entry_of(part, term), motion);
     for (double& value : down) value *= -part.coefficient;
     residual -= responses.of_force(down);
   }

@@ -118,6 +118,11 @@ TEST(TermText, RefusesWhatIsNoTerm) {
   expect_refusal(refused(wave + "period_mm = 0\n"), "m.toml:", "period_mm");
   EXPECT_EQ(refused(wave + "period_mm = 2.5\n"), "accepted");
   expect_refusal(refused(cubic + "a = 1\n" + range + "period_mm = 2.5\n"), "m.toml:", "period_mm");
+  const std::string power = "expression = \"a sign(v) |v|^n\"\na = 1\n" + range;
+  expect_refusal(refused(power), "m.toml:", "n");
+  expect_refusal(refused(power + "n = 0\n"), "m.toml:", "n");
+  EXPECT_EQ(refused(power + "n = 0.5\n"), "accepted");
+  expect_refusal(refused(cubic + "a = 1\n" + range + "n = 2\n"), "m.toml:", "n");
   expect_refusal(refused(cubic + "a = 1e20\n" + range), "m.toml:7", "reaches 1e+14 N");
   expect_refusal(refused(cubic + "a = nan\n" + range), "m.toml:8", "finite");
   expect_refusal(refused(cubic + "a = { value = 1, unit = \"N s/m\" }\n" + range), "m.toml:8",

@@ -47,6 +47,23 @@ TEST(Dictionary, HoldsOneOfTheProductsThatARecordingDoesNotTellApart) {
   EXPECT_EQ(varied.size(), dictionary(2.5).size());
 }
 
+// The search and the plant take the same numbers of a term: those beside its coefficients too.
+TEST(Dictionary, GivesOfATermsProductsTheForceOfTheTerm) {
+  const MotionRows motion = driven_by([](int i) { return std::sin(0.031 * i * i); });
+  Term term;
+  term.parts = parse_expression("a sign(v) |v|^n + b sin(kx) + c x cos(kx) + d u v", "");
+  term.seen = motion.ranges();
+  term.exponent = 0.4, term.period = 0.7;
+  std::vector<double> sum(motion.points.size(), 0.0);
+  double coefficient = 1.3;
+  for (TermPart& part : term.parts) {
+    part.coefficient = coefficient *= -0.6;
+    const std::vector<double> values = values_of(entry_of(part, term), motion);
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += part.coefficient * values[i];
+  }
+  for (std::size_t i = 0; i < sum.size(); ++i) EXPECT_NEAR(sum[i], term.force(motion.points[i]), 1e-12) << i;
+}
+
 // A drag acts against the motion; what has the same direction either way is none.
 TEST(TermMeaning, IsADragOnlyWhereItActsAgainstTheMotion) {
   const auto meaning = [](const char* expression) {
